@@ -12,15 +12,12 @@ void Linker::remove_bypassed() {
   const std::vector<GraphNode> nodes = std::move(graph_.nodes);
   graph_.nodes.clear();
   std::vector<int> place(nodes.size(), -1);
-  const auto type_of = [&](const Wire& w) {
-    return nodes[static_cast<std::size_t>(w.node)].type->find_output(w.port)->types.front();
-  };
+  const auto type_of = [&](const Wire& w) { return nodes[w.node].type->find_output(w.port)->types.front(); };
   // The wire in the graph without bypassed nodes, or none if a bypassed source passes nothing through.
   const auto follow = [&](const Wire& w) -> std::optional<Wire> {
-    const GraphNode& source = nodes[static_cast<std::size_t>(w.node)];
+    const GraphNode& source = nodes[w.node];
     const auto bypassed = graph_.bypassed.find(source.path);
-    if (bypassed == graph_.bypassed.end())
-      return Wire{place[static_cast<std::size_t>(w.node)], w.port, w.place};
+    if (bypassed == graph_.bypassed.end()) return Wire{place[w.node], w.port, w.place};
     const auto passed = bypassed->second.find(w.port);
     if (passed == bypassed->second.end()) return {};
     return Wire{passed->second.node, passed->second.port, w.place};
@@ -30,7 +27,7 @@ void Linker::remove_bypassed() {
       w = *there;
       return true;
     }
-    const GraphNode& source = nodes[static_cast<std::size_t>(w.node)];
+    const GraphNode& source = nodes[w.node];
     fail("cannot-bypass",
          fmt::format("'{}' is bypassed, and none of its connected inputs is {}, like its output '{}'",
                      source.path, type_of(w), w.port),
@@ -42,7 +39,7 @@ void Linker::remove_bypassed() {
     if (!bypassed_.count(node.path)) {
       for (auto& [port, wires] : node.inputs)
         std::erase_if(wires, [&](Wire& w) { return !reconnect(w, node.path); });
-      place[i] = static_cast<int>(graph_.nodes.size());
+      place[i] = graph_.nodes.size();
       graph_.nodes.push_back(std::move(node));
       continue;
     }

@@ -115,7 +115,7 @@ NodeType describe_graph(const Graph& g) {
   for (const auto& o : g.outputs) {
     const std::string name = without_elements(o.name);
     if (name != o.name && !t.outputs.empty() && t.outputs.back().name == name) continue;
-    const Port& port = *g.nodes[static_cast<std::size_t>(o.wire.node)].type->find_output(o.wire.port);
+    const Port& port = *g.nodes[o.wire.node].type->find_output(o.wire.port);
     t.outputs.push_back(port);
     t.outputs.back().name = name;
     t.outputs.back().many = name != o.name;

@@ -44,7 +44,7 @@ Drawing drawing_of(const Graph& g) {
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
     for (const auto& [port, wires] : g.nodes[i].inputs)
       for (const auto& w : wires) {
-        const std::size_t from = drawn[static_cast<std::size_t>(w.node)];
+        const std::size_t from = drawn[w.node];
         // Two wires of one node stay two; those of elements become one.
         const bool one = count[from] > 1 || count[drawn[i]] > 1;
         if (!one || seen.insert({from, drawn[i], w.port, port}).second)
@@ -109,32 +109,38 @@ std::string draw_svg(const Graph& graph) {
   for (std::size_t i = 0; i < n; ++i) layers[layer[i]].push_back(i);
   std::vector<double> row(n, 0);
   for (auto& [l, members] : layers)
-    for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = static_cast<double>(k);
+    for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = k;
   for (int sweep = 0; sweep < 8; ++sweep)
     for (auto& [number, members] : layers) {
       const int l = number;
       std::map<std::size_t, std::pair<double, int>> mean;
       for (const auto& w : g.wires) {
-        if (layer[w.to] == l) mean[w.to].first += row[w.from], ++mean[w.to].second;
-        if (layer[w.from] == l && sweep % 2) mean[w.from].first += row[w.to], ++mean[w.from].second;
+        if (layer[w.to] == l) {
+          mean[w.to].first += row[w.from];
+          ++mean[w.to].second;
+        }
+        if (layer[w.from] == l && sweep % 2) {
+          mean[w.from].first += row[w.to];
+          ++mean[w.from].second;
+        }
       }
       const auto place = [&](std::size_t i) {
         return mean.count(i) ? mean[i].first / mean[i].second : row[i];
       };
       std::stable_sort(members.begin(), members.end(),
                        [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
-      for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = static_cast<double>(k);
+      for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = k;
     }
   constexpr double width = 150, height = 44, gap_x = 70, gap_y = 22, margin = 20;
   std::size_t tallest = 1;
   for (const auto& [l, members] : layers) tallest = std::max(tallest, members.size());
   const auto x = [&](std::size_t i) { return margin + layer[i] * (width + gap_x); };
   const auto y = [&](std::size_t i) {
-    const double spare = static_cast<double>(tallest - layers[layer[i]].size()) * (height + gap_y) / 2;
+    const double spare = (tallest - layers[layer[i]].size()) * (height + gap_y) / 2;
     return margin + spare + row[i] * (height + gap_y);
   };
-  const double total_x = 2 * margin + static_cast<double>(layers.size()) * (width + gap_x) - gap_x;
-  const double total_y = 2 * margin + static_cast<double>(tallest) * (height + gap_y) - gap_y;
+  const double total_x = 2 * margin + layers.size() * (width + gap_x) - gap_x;
+  const double total_y = 2 * margin + tallest * (height + gap_y) - gap_y;
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
       "{1:.0f}\" "

@@ -7,7 +7,7 @@ namespace terrazzo {
 
 int Graph::find(const std::string& path) const {
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (nodes[i].path == path) return static_cast<int>(i);
+    if (nodes[i].path == path) return i;
   return -1;
 }
 
@@ -43,7 +43,7 @@ Wire Graph::wire_to(const std::string& text) const {
     throw Error("several-values", "'" + text + "' is a list of " + std::to_string(elements.size()),
                 "name one element, such as " + elements.front());
   if (node < 0) throw Error("unknown-node", "there is no node '" + path + "'" + did_you_mean(path, paths()));
-  const NodeType& type = *nodes[static_cast<std::size_t>(node)].type;
+  const NodeType& type = *nodes[node].type;
   if (dot == std::string::npos) {
     if (type.outputs.size() == 1) return {node, type.outputs[0].name, {}};
     throw Error("unknown-port", type.name + " '" + path + "' has " + std::to_string(type.outputs.size()) +
@@ -65,10 +65,10 @@ std::vector<int> Graph::sinks() const {
   std::vector<bool> consumed(nodes.size(), false), wanted(nodes.size(), false);
   for (const auto& n : nodes)
     for (const auto& [port, wires] : n.inputs)
-      for (const auto& w : wires) consumed[static_cast<std::size_t>(w.node)] = true;
+      for (const auto& w : wires) consumed[w.node] = true;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     wanted[i] = nodes[i].type->writes_files || (!consumed[i] && !nodes[i].in_subgraph());
-  for (const auto& o : outputs) wanted[static_cast<std::size_t>(o.wire.node)] = true;
+  for (const auto& o : outputs) wanted[o.wire.node] = true;
   std::vector<int> out;
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (wanted[i]) out.push_back(static_cast<int>(i));

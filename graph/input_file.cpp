@@ -56,7 +56,7 @@ std::size_t InputFile::read(char* to, std::size_t bytes) {
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) trouble_ = std::strerror(errno);
     if (n <= 0) break;
-    got += static_cast<std::size_t>(n);
+    got += n;
   }
   return got;
 }
@@ -73,7 +73,7 @@ FileText read_input_file(const std::filesystem::path& path, std::uint64_t most_b
     out.trouble = fmt::format("it has {} bytes, and at most {} are read", file.size(), most_bytes);
     return out;
   }
-  out.text.resize(static_cast<std::size_t>(file.size()));
+  out.text.resize(file.size());
   if (file.read(out.text.data(), out.text.size()) == out.text.size()) return out;
   out.trouble = file.trouble().empty() ? "it became shorter while it was read" : file.trouble();
   out.text.clear();

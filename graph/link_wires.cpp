@@ -109,7 +109,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
   }
   const int node = find(path);
   if (node < 0) return {};
-  const NodeType& type = *graph_.nodes[static_cast<std::size_t>(node)].type;
+  const NodeType& type = *graph_.nodes[node].type;
   if (port.empty() && type.outputs.size() == 1) return {{node, type.outputs[0].name, ref.place}};
   if (type.find_output(port)) return {{node, port, ref.place}};
   std::vector<std::string> names;
@@ -169,7 +169,7 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
     return;
   }
   for (const auto& [port, refs] : raw.inputs) {
-    GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+    GraphNode& node = graph_.nodes[index];
     const Port* p = node.type->find_input(port);
     if (!p) {
       std::vector<std::string> names;
@@ -190,7 +190,7 @@ void Linker::connect(Scope& scope, const RawNode& raw) {
   if (scope.parent)
     for (const auto& [input, target] : scope.doc.inputs)
       for (const auto& [given, wires] : scope.node->inputs) {
-        const GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+        const GraphNode& node = graph_.nodes[index];
         const std::string start = scope.written_name(raw) + ".";
         if (given != input || target.text.rfind(start, 0) != 0) continue;
         const Port* p = node.type->find_input(target.text.substr(start.size()));
@@ -203,7 +203,7 @@ void Linker::attach(Scope& scope, int index, const Port& port, const RawReferenc
   broken_inputs_.insert({index, port.name});  // prevents a misleading second message, "missing input"
   if (!take_wires(0, ref)) return;
   std::vector<Wire> wires = resolve(scope, ref);
-  GraphNode& node = graph_.nodes[static_cast<std::size_t>(index)];
+  GraphNode& node = graph_.nodes[index];
   if (wires.size() > 1 && !port.many)
     return fail(
         "too-many-wires",
@@ -211,8 +211,7 @@ void Linker::attach(Scope& scope, int index, const Port& port, const RawReferenc
         ref.place, "name one element in brackets, or repeat this node too", node.path);
   if (!take_wires(wires.size(), ref)) return;
   for (Wire& w : wires) {
-    const std::string& type =
-        graph_.nodes[static_cast<std::size_t>(w.node)].type->find_output(w.port)->types[0];
+    const std::string& type = graph_.nodes[w.node].type->find_output(w.port)->types[0];
     if (!port.accepts(type))
       return fail(
           "wrong-type",
@@ -268,13 +267,13 @@ void Linker::describe_inputs(Scope& root) {
     const auto list = root.lists.find(ref.text.substr(0, dot));
     const int index = find(list == root.lists.end() ? ref.text.substr(0, dot) : list->second.front());
     const std::string port = dot == std::string::npos ? "" : ref.text.substr(dot + 1);
-    const NodeType* type = index < 0 ? nullptr : graph_.nodes[static_cast<std::size_t>(index)].type;
+    const NodeType* type = index < 0 ? nullptr : graph_.nodes[index].type;
     const Port* input = type ? type->find_input(port) : nullptr;
     const Port* output = type ? type->find_output(port) : nullptr;
     if (!input || output) {  // the input replaces an output, perhaps one of an inner subgraph
       const auto wires = resolve(root, ref);
       if (wires.empty()) continue;
-      output = graph_.nodes[static_cast<std::size_t>(wires[0].node)].type->find_output(wires[0].port);
+      output = graph_.nodes[wires[0].node].type->find_output(wires[0].port);
     }
     Port p = output ? *output : *input;
     p.name = name;
@@ -304,10 +303,9 @@ void Linker::check_wiring_of_ports() {
 void Linker::report_cycle(const std::vector<int>& way, int node) {
   std::string text;
   const auto begin = std::find(way.begin(), way.end(), node);
-  for (auto it = begin; it != way.end() && it - begin < 50; ++it)
-    text += graph_.nodes[static_cast<std::size_t>(*it)].path + " → ";
+  for (auto it = begin; it != way.end() && it - begin < 50; ++it) text += graph_.nodes[*it].path + " → ";
   if (way.end() - begin > 50) text += "… → ";
-  const auto& last = graph_.nodes[static_cast<std::size_t>(node)];
+  const auto& last = graph_.nodes[node];
   fail("cycle", "the wires form a cycle: " + text + last.path, last.place);
 }
 
@@ -318,7 +316,7 @@ bool Linker::sort() {
       way;  // path from a node upstream; an explicit stack, because recursion could overflow
   std::vector<std::vector<int>> sources(n);  // for nodes in `way`: sources still to be visited
   const auto visit = [&](int i) {
-    const auto at = static_cast<std::size_t>(i);
+    const std::size_t at = i;
     state[at] = open;
     way.push_back(i);
     for (const auto& [port, wires] : graph_.nodes[at].inputs)
@@ -328,7 +326,7 @@ bool Linker::sort() {
   for (std::size_t i = 0; i < n; ++i) {
     if (state[i] == unseen) visit(static_cast<int>(i));
     while (!way.empty()) {
-      const auto at = static_cast<std::size_t>(way.back());
+      const std::size_t at = way.back();
       if (sources[at].empty()) {
         state[at] = placed;
         order.push_back(way.back());
@@ -337,23 +335,23 @@ bool Linker::sort() {
       }
       const int next = sources[at].back();
       sources[at].pop_back();
-      if (state[static_cast<std::size_t>(next)] == open) {
+      if (state[next] == open) {
         report_cycle(way, next);
         return false;
       }
-      if (state[static_cast<std::size_t>(next)] == unseen) visit(next);
+      if (state[next] == unseen) visit(next);
     }
   }
   std::vector<int> place(n);
   std::vector<GraphNode> sorted;
-  for (std::size_t k = 0; k < n; ++k) place[static_cast<std::size_t>(order[k])] = static_cast<int>(k);
+  for (std::size_t k = 0; k < n; ++k) place[order[k]] = k;
   for (const int i : order) {
-    sorted.push_back(std::move(graph_.nodes[static_cast<std::size_t>(i)]));
+    sorted.push_back(std::move(graph_.nodes[i]));
     for (auto& [port, wires] : sorted.back().inputs)
-      for (auto& w : wires) w.node = place[static_cast<std::size_t>(w.node)];
+      for (auto& w : wires) w.node = place[w.node];
   }
   graph_.nodes = std::move(sorted);
-  for (auto& o : graph_.outputs) o.wire.node = place[static_cast<std::size_t>(o.wire.node)];
+  for (auto& o : graph_.outputs) o.wire.node = place[o.wire.node];
   return true;
 }
 

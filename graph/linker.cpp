@@ -18,7 +18,8 @@ Graph Linker::link(RawDocument doc) {
   graph_.file = doc.file.string();
   files_.emplace(doc);
   if (!check_size(doc)) return std::move(graph_);
-  expanded_ = files_->root().nodes, bytes_ = files_->root().bytes;
+  expanded_ = files_->root().nodes;
+  bytes_ = files_->root().bytes;
   std::map<std::string, Given> given;
   for (const auto& [name, text] : overrides_.parameters)
     given[name] = from_command_line(text, "--param " + name);
@@ -134,7 +135,10 @@ Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const Ra
                     std::map<std::string, Given> given) {
   auto owned = std::make_unique<Scope>();
   Scope& scope = *owned;
-  scope.prefix = prefix, scope.doc = std::move(doc), scope.parent = parent, scope.node = node;
+  scope.prefix = prefix;
+  scope.doc = std::move(doc);
+  scope.parent = parent;
+  scope.node = node;
   const auto index = [&scope] {
     scope.nodes.clear();
     for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
@@ -172,7 +176,7 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
         raw.kind_place, {}, node.path);
   }
   for (const auto& [name, value] : raw.params) set_parameter(node, name, substitute(scope, value, &raw));
-  index_[node.path] = static_cast<int>(graph_.nodes.size());
+  index_[node.path] = graph_.nodes.size();
   graph_.nodes.push_back(std::move(node));
 }
 

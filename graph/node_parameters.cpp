@@ -70,7 +70,7 @@ int NodeParameters::choice_index(const std::string& n) const {
   if (!p || p->kind != ParameterKind::Choice) misused(n, " as a choice");
   const auto at = std::find(p->choices.begin(), p->choices.end(), value);
   if (at == p->choices.end()) misused(n, " with a value that is not a choice");
-  return static_cast<int>(at - p->choices.begin());
+  return at - p->choices.begin();
 }
 
 }  // namespace terrazzo

@@ -22,8 +22,14 @@ NodeType& NodeType::operator=(const NodeType&) = default;
 NodeType& NodeType::operator=(NodeType&&) noexcept = default;
 NodeType::~NodeType() = default;
 
-NodeType& NodeType::doc_(std::string text) { return doc = std::move(text), *this; }
-NodeType& NodeType::source_(std::string text) { return source = std::move(text), *this; }
+NodeType& NodeType::doc_(std::string text) {
+  doc = std::move(text);
+  return *this;
+}
+NodeType& NodeType::source_(std::string text) {
+  source = std::move(text);
+  return *this;
+}
 NodeType& NodeType::input(std::string name, std::string type, std::string doc) {
   inputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false, {}});
   return *this;
@@ -36,7 +42,10 @@ NodeType& NodeType::input_list(std::string name, std::vector<std::string> types,
   inputs.push_back({std::move(name), std::move(types), std::move(doc), false, true, {}});
   return *this;
 }
-NodeType& NodeType::one_at_a_time() { return inputs.back().one_at_a_time = true, *this; }
+NodeType& NodeType::one_at_a_time() {
+  inputs.back().one_at_a_time = true;
+  return *this;
+}
 NodeType& NodeType::output(std::string name, std::string type, std::string doc) {
   outputs.push_back({std::move(name), {std::move(type)}, std::move(doc), false, false, {}});
   return *this;
@@ -49,14 +58,23 @@ NodeType& NodeType::input_was(std::string former) {
 NodeType& NodeType::output_was(std::string former) {
   return outputs.back().former_names.push_back(std::move(former)), *this;
 }
-NodeType& NodeType::writes_files_() { return writes_files = true, *this; }
+NodeType& NodeType::writes_files_() {
+  writes_files = true;
+  return *this;
+}
 NodeType& NodeType::companion_files_(std::vector<std::filesystem::path> (*fn)(const std::filesystem::path&)) {
   companion_files = fn;
   return *this;
 }
 
-NodeType& NodeType::check_(void (*fn)(const NodeParameters&)) { return check = fn, *this; }
-NodeType& NodeType::compute_(void (*fn)(Context&)) { return compute = fn, *this; }
+NodeType& NodeType::check_(void (*fn)(const NodeParameters&)) {
+  check = fn;
+  return *this;
+}
+NodeType& NodeType::compute_(void (*fn)(Context&)) {
+  compute = fn;
+  return *this;
+}
 NodeType& NodeType::in_district(std::string name) {
   district = std::move(name);
   return *this;

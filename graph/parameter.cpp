@@ -55,7 +55,9 @@ std::string WrittenValue::text() const {
 namespace {
 Parameter make(ParameterKind kind, std::string name, std::optional<ParameterValue> value) {
   Parameter p;
-  p.name = std::move(name), p.kind = kind, p.value = std::move(value);
+  p.name = std::move(name);
+  p.kind = kind;
+  p.value = std::move(value);
   return p;
 }
 }  // namespace
@@ -103,11 +105,29 @@ Parameter Parameter::seed(std::string n) {
   return integer(std::move(n), 1).range(0, 9007199254740991).doc_("Random seed");
 }
 
-Parameter& Parameter::doc_(std::string t) { return doc = std::move(t), *this; }
-Parameter& Parameter::unit_(std::string t) { return unit = std::move(t), *this; }
-Parameter& Parameter::range(double lo, double hi) { return min = lo, max = hi, *this; }
-Parameter& Parameter::above(double lo) { return min = lo, min_open = true, *this; }
-Parameter& Parameter::count(std::size_t lo, std::size_t hi) { return min_count = lo, max_count = hi, *this; }
+Parameter& Parameter::doc_(std::string t) {
+  doc = std::move(t);
+  return *this;
+}
+Parameter& Parameter::unit_(std::string t) {
+  unit = std::move(t);
+  return *this;
+}
+Parameter& Parameter::range(double lo, double hi) {
+  min = lo;
+  max = hi;
+  return *this;
+}
+Parameter& Parameter::above(double lo) {
+  min = lo;
+  min_open = true;
+  return *this;
+}
+Parameter& Parameter::count(std::size_t lo, std::size_t hi) {
+  min_count = lo;
+  max_count = hi;
+  return *this;
+}
 Parameter& Parameter::keyword(std::string w) { return keywords.push_back(std::move(w)), *this; }
 Parameter& Parameter::required() { return value.reset(), *this; }
 Parameter& Parameter::was(std::string former) { return former_names.push_back(std::move(former)), *this; }
@@ -181,10 +201,11 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
   if (w.is_list && w.items.size() == 3) {
     for (const auto& item : w.items) {
       const auto v = parse_number<double>(item);
-      if (!v || !(*v >= 0 && *v <= kMostColor) || too_small(*v))
-        return why = fmt::format("'{}' is not a valid color component: it must be a number from 0 to {}",
-                                 item, kMostColor),
-               std::nullopt;
+      if (!v || !(*v >= 0 && *v <= kMostColor) || too_small(*v)) {
+        why = fmt::format("'{}' is not a valid color component: it must be a number from 0 to {}", item,
+                          kMostColor);
+        return std::nullopt;
+      }
       rgb.push_back(*v);
     }
     return rgb;
@@ -195,14 +216,17 @@ std::optional<ParameterValue> read_color(const WrittenValue& w, std::string& why
       int byte = 0;
       const char* at = s.data() + 1 + 2 * i;
       const auto [end, error] = std::from_chars(at, at + 2, byte, 16);
-      if (error != std::errc() || end != at + 2)
-        return why = "'" + s + "' is not a color such as \"#a0b0c0\"", std::nullopt;
+      if (error != std::errc() || end != at + 2) {
+        why = "'" + s + "' is not a color such as \"#a0b0c0\"";
+        return std::nullopt;
+      }
       const double e = byte / 255.0;  // IEC 61966-2-1
       rgb.push_back(e <= 0.04045 ? e / 12.92 : std::pow((e + 0.055) / 1.055, 2.4));
     }
     return rgb;
   }
-  return why = "'" + s + "' is not a color: write \"#rrggbb\" or three linear numbers", std::nullopt;
+  why = "'" + s + "' is not a color: write \"#rrggbb\" or three linear numbers";
+  return std::nullopt;
 }
 
 }  // namespace
@@ -222,7 +246,10 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
 
   const bool wants_list = p.kind == ParameterKind::Ints || p.kind == ParameterKind::Numbers ||
                           p.kind == ParameterKind::Texts || p.kind == ParameterKind::Color;
-  if (w.is_list && !wants_list) return why = "needs one value, not a list", std::nullopt;
+  if (w.is_list && !wants_list) {
+    why = "needs one value, not a list";
+    return std::nullopt;
+  }
 
   const auto or_keyword = [&](std::string text) {
     if (!p.keywords.empty()) text += fmt::format(", nor one of {}", fmt::join(p.keywords, ", "));
@@ -231,37 +258,48 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
   switch (p.kind) {
     case ParameterKind::Bool:
       if (word == "true" || word == "false") return word == "true";
-      return why = or_keyword("'" + word + "' is neither true nor false"), std::nullopt;
+      why = or_keyword("'" + word + "' is neither true nor false");
+      return std::nullopt;
     case ParameterKind::Int:
       if (const auto v = parse_number<std::int64_t>(word)) {
-        if (in_range(p, static_cast<double>(*v), why)) return *v;
+        if (in_range(p, *v, why)) return *v;
         return std::nullopt;
       }
-      return why = or_keyword("'" + word + "' is not a whole number"), std::nullopt;
+      why = or_keyword("'" + word + "' is not a whole number");
+      return std::nullopt;
     case ParameterKind::Number:
       if (const auto v = parse_number<double>(word)) {
         if (in_range(p, *v, why)) return *v + 0.0;  // −0 and 0 are the same value
         return std::nullopt;
       }
-      return why = or_keyword("'" + word + "' is not a number"), std::nullopt;
+      why = or_keyword("'" + word + "' is not a number");
+      return std::nullopt;
     case ParameterKind::Choice:
       if (std::find(p.choices.begin(), p.choices.end(), word) != p.choices.end()) return word;
-      return why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "),
-                               did_you_mean(word, p.choices)),
-             std::nullopt;
+      why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "),
+                        did_you_mean(word, p.choices));
+      return std::nullopt;
     case ParameterKind::Text:
       return word;
     case ParameterKind::InputPath:
     case ParameterKind::OutputPath:
-      if (word.empty()) return why = "the path is empty", std::nullopt;
-      if (word.find('\0') != std::string::npos) return why = "the path contains a zero byte", std::nullopt;
-      if (p.kind == ParameterKind::OutputPath && escape_line(word) != word)
-        return why = "the name of an output file contains control characters", std::nullopt;
-      if (p.kind == ParameterKind::OutputPath && leaves_folder(word))
-        return why = fmt::format(
-                   "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)",
-                   word),
-               std::nullopt;
+      if (word.empty()) {
+        why = "the path is empty";
+        return std::nullopt;
+      }
+      if (word.find('\0') != std::string::npos) {
+        why = "the path contains a zero byte";
+        return std::nullopt;
+      }
+      if (p.kind == ParameterKind::OutputPath && escape_line(word) != word) {
+        why = "the name of an output file contains control characters";
+        return std::nullopt;
+      }
+      if (p.kind == ParameterKind::OutputPath && leaves_folder(word)) {
+        why = fmt::format(
+            "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)", word);
+        return std::nullopt;
+      }
       return word;
     case ParameterKind::Ints: {
       std::vector<std::int64_t> v;
@@ -276,14 +314,16 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
       return std::nullopt;
     }
     case ParameterKind::Texts: {
-      if (w.items.size() < p.min_count || w.items.size() > p.max_count)
-        return why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size()),
-               std::nullopt;
+      if (w.items.size() < p.min_count || w.items.size() > p.max_count) {
+        why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size());
+        return std::nullopt;
+      }
       for (const auto& item : w.items)
-        if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), item) == p.choices.end())
-          return why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "),
-                                   did_you_mean(item, p.choices)),
-                 std::nullopt;
+        if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), item) == p.choices.end()) {
+          why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "),
+                            did_you_mean(item, p.choices));
+          return std::nullopt;
+        }
       return w.items;
     }
     case ParameterKind::Color: {

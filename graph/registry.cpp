@@ -49,7 +49,8 @@ void check_declaration(const NodeType& t) {
         for (const auto v : *ints) w.items.push_back(std::to_string(v));
         w.is_list = true;
       } else if (const auto* words = std::get_if<std::vector<std::string>>(&*p.value)) {
-        w.items = *words, w.is_list = true;
+        w.items = *words;
+        w.is_list = true;
       } else {
         w.items.push_back(written(*p.value));
       }
@@ -107,8 +108,7 @@ std::vector<Registry::District> Registry::by_district() const {
   District other{"other", {}};
   for (const auto& [name, type] : types_) {
     const auto at = std::find(districts_.begin(), districts_.end(), type->district);
-    (at == districts_.end() ? other : out[static_cast<std::size_t>(at - districts_.begin())])
-        .types.push_back(type.get());
+    (at == districts_.end() ? other : out[at - districts_.begin()]).types.push_back(type.get());
   }
   if (!other.types.empty()) out.push_back(std::move(other));
   return out;

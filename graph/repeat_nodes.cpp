@@ -103,7 +103,8 @@ void Linker::repeat_nodes(Scope& scope) {
     if (unknown_.count(path)) continue;
     // files_ counted the node once.
     const Expansion one = files_->expansion(scope.doc, raw);
-    expanded_ += (count - 1) * one.nodes, bytes_ += (count - 1) * one.bytes;
+    expanded_ += (count - 1) * one.nodes;
+    bytes_ += (count - 1) * one.bytes;
     if (expanded_ > max_expanded_nodes) {
       refuse(
           "too-large",

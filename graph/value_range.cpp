@@ -23,8 +23,7 @@ std::optional<std::vector<std::string>> read_range(const std::string& text, std:
   if (step == 0 || (hi - lo) / step < 0)
     throw Error("bad-range", "the step must be nonzero and lead from LO to HI");
   const double steps = std::floor((hi - lo) / step + 1e-9);
-  if (!(steps < static_cast<double>(most)))
-    throw Error("too-large", fmt::format("the range has more than {} numbers", most));
+  if (!(steps < most)) throw Error("too-large", fmt::format("the range has more than {} numbers", most));
   std::vector<std::string> out;
   // Rounds to 12 digits, so that 0.1 + 2 × 0.1 is 0.3 and not 0.30000000000000004.
   for (double k = 0; k <= steps; ++k) out.push_back(fmt::format("{:.12g}", lo + k * step));

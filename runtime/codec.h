@@ -76,7 +76,7 @@ class Reader {
     const auto n = pod<std::uint64_t>();
     if (n > left_ / (element ? element : 1))
       throw Error("damaged", "the stored value has an impossible length");
-    return static_cast<std::size_t>(n);
+    return n;
   }
   std::size_t left() const { return left_; }
   const char* at() const { return at_; }

@@ -36,7 +36,8 @@ class NodeContext : public Context {
     work_ = request_.work;
     memory_ = available_memory();
     if (request_.memory > 0) memory_ = std::min(memory_, request_.memory);
-    inputs_ = std::move(request_.inputs), later_ = std::move(request_.later);
+    inputs_ = std::move(request_.inputs);
+    later_ = std::move(request_.later);
     type_ = request_.type;
     parameters_ = std::move(request_.parameters);
     files_ = std::move(request_.files);

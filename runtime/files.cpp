@@ -145,7 +145,7 @@ void write_all(int descriptor, const std::string& text, const fs::path& final) {
     const ssize_t n = ::write(descriptor, text.data() + done, text.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) cannot_write(final, std::strerror(errno));
-    done += static_cast<std::size_t>(n);
+    done += n;
   }
 }
 

@@ -135,7 +135,8 @@ nlohmann::json given_values_json(const Graph& graph, const std::vector<bool>& ne
     if (uncompressed + encoded.buffer.size() > kMostUncompressed) continue;
     const std::string packed = compressed({encoded.buffer.data(), encoded.buffer.size()});
     if (packed.size() > kMostBytes || together + packed.size() > kMostTogether) continue;
-    together += packed.size(), uncompressed += encoded.buffer.size();
+    together += packed.size();
+    uncompressed += encoded.buffer.size();
     out[*content] = {{"type", given->value.type().name},
                      {"bytes", encoded.buffer.size()},
                      {"data", encode_base64(packed)}};

@@ -104,7 +104,7 @@ std::uint64_t available_address_space() {
   struct rlimit limit;
   if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
   const std::uint64_t pages = number_in("/proc/self/statm").value_or(0);
-  return left_of(limit.rlim_cur, pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE)));
+  return left_of(limit.rlim_cur, pages * ::sysconf(_SC_PAGESIZE));
 }
 
 std::uint64_t available_memory() {
@@ -112,10 +112,10 @@ std::uint64_t available_memory() {
 }
 
 void require_memory(double bytes, std::uint64_t limit, const std::string& what) {
-  if (bytes <= static_cast<double>(limit)) return;
+  if (bytes <= limit) return;
   throw Error("too-large",
               fmt::format("{} needs {} of memory, but only {} are available", what, bytes_text(bytes),
-                          bytes_text(static_cast<double>(limit))),
+                          bytes_text(limit)),
               "use a smaller file, or raise --memory if the machine has more memory");
 }
 

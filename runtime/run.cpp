@@ -23,8 +23,7 @@ int Run::threads() const {
 }
 
 bool Run::cancelled(int i) const {
-  return (options_.cancel && *options_.cancel) ||
-         (options_.cancel_node && (*options_.cancel_node)[static_cast<std::size_t>(i)]);
+  return (options_.cancel && *options_.cancel) || (options_.cancel_node && (*options_.cancel_node)[i]);
 }
 
 bool Run::run_is_cancelled() const {
@@ -32,8 +31,7 @@ bool Run::run_is_cancelled() const {
 }
 
 Work Run::work(int i, const Work::Report* report) const {
-  return Work(options_.cancel, report,
-              options_.cancel_node ? &(*options_.cancel_node)[static_cast<std::size_t>(i)] : nullptr);
+  return Work(options_.cancel, report, options_.cancel_node ? &(*options_.cancel_node)[i] : nullptr);
 }
 
 RunResult Run::run() {
@@ -48,7 +46,7 @@ RunResult Run::run() {
     for (const auto& [port, wires] : graph_.nodes[i].inputs)
       for (const auto& w : wires) {
         ++sources;
-        states_[static_cast<std::size_t>(w.node)].consumers.push_back(static_cast<int>(i));
+        states_[w.node].consumers.push_back(static_cast<int>(i));
       }
     states_[i].waiting = sources;
     if (sources == 0) ready.push_back(static_cast<int>(i));
@@ -65,8 +63,10 @@ RunResult Run::run() {
   });
   mark_.after();
   for (std::size_t i = 0; i < states_.size(); ++i)
-    if (states_[i].seconds_again > 0)
-      result_.nodes[i].status = Status::Computed, result_.nodes[i].seconds = states_[i].seconds_again;
+    if (states_[i].seconds_again > 0) {
+      result_.nodes[i].status = Status::Computed;
+      result_.nodes[i].seconds = states_[i].seconds_again;
+    }
   result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return std::move(result_);
 }

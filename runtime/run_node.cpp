@@ -42,7 +42,9 @@ bool Run::use_cached(int i) {
   for (const auto& f : record->files) claim(i, options_.output_folder / f.path, f.path);
   // A value that the store has lost is recomputed only when a consumer needs it.
   r.status = tier == Tier::Memory ? Status::Memory : Status::Disk;
-  r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
+  r.outputs = record->outputs;
+  r.metrics = record->metrics;
+  r.warnings = record->warnings;
   r.files = record->files;
   r.cached_seconds = record->seconds;
   return true;
@@ -71,7 +73,9 @@ bool Run::compute(int i, const Inputs& inputs) {
   };
   auto record = std::make_shared<ActionRecord>();
   ComputeRequest q = request(i, work(i, &report));
-  record->type = q.type->name, record->version = q.type->version, record->parameters = q.parameters;
+  record->type = q.type->name;
+  record->version = q.type->version;
+  record->parameters = q.parameters;
   for (const auto& [name, paths] : state(i).files.paths)
     for (std::size_t k = 0; k < paths.size(); ++k)
       record->input_files[name].push_back({paths[k].string(), state(i).files.hashes.at(name)[k]});
@@ -93,9 +97,12 @@ bool Run::compute(int i, const Inputs& inputs) {
     if (!hash) throw Error("write-failed", "the file '" + f + "' disappeared right after it was written");
     record->files.push_back({f, *hash});
   }
-  record->metrics = std::move(computed.metrics), record->warnings = std::move(computed.warnings);
+  record->metrics = std::move(computed.metrics);
+  record->warnings = std::move(computed.warnings);
   r.seconds = record->seconds = seconds();
-  r.outputs = record->outputs, r.metrics = record->metrics, r.warnings = record->warnings,
+  r.outputs = record->outputs;
+  r.metrics = record->metrics;
+  r.warnings = record->warnings;
   r.files = record->files;
   r.status = Status::Computed;
   e_.store_.put_action(r.record, std::move(record));

@@ -75,11 +75,11 @@ std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>
 
 std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targets) {
   std::vector<bool> needed(graph.nodes.size(), false);
-  for (const int t : targets) needed[static_cast<std::size_t>(t)] = true;
+  for (const int t : targets) needed[t] = true;
   for (std::size_t i = graph.nodes.size(); i-- > 0;)  // consumers come after their sources
     if (needed[i])
       for (const auto& [port, wires] : graph.nodes[i].inputs)
-        for (const auto& w : wires) needed[static_cast<std::size_t>(w.node)] = true;
+        for (const auto& w : wires) needed[w.node] = true;
   return needed;
 }
 

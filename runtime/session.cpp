@@ -93,7 +93,7 @@ std::vector<int> obsolete_nodes(const Graph& before, const Graph& after) {
     const auto it = now.find(node.path);
     changed[i] = it == now.end() || it->second != recipe(before, node);
     for (const auto& [port, wires] : node.inputs)
-      for (const auto& w : wires) changed[i] = changed[i] || changed[static_cast<std::size_t>(w.node)];
+      for (const auto& w : wires) changed[i] = changed[i] || changed[w.node];
     if (changed[i]) out.push_back(static_cast<int>(i));
   }
   return out;
@@ -118,8 +118,7 @@ Diagnostics Session::load(Overrides overrides) {
   std::erase_if(evaluations_, [](const auto& weak) { return weak.expired(); });
   for (const auto& weak : evaluations_)
     if (const auto e = weak.lock(); e && e->follows_edits_ && !e->done())
-      for (const int i : obsolete_nodes(e->graph(), *graph))
-        e->cancel_node_[static_cast<std::size_t>(i)] = true;
+      for (const int i : obsolete_nodes(e->graph(), *graph)) e->cancel_node_[i] = true;
   graph_ = std::move(graph);
   overrides_ = std::move(overrides);
   return found;
@@ -155,7 +154,8 @@ std::shared_ptr<Evaluation> Session::evaluate_apart(const std::vector<std::strin
 std::shared_ptr<Evaluation> Session::start(const std::vector<std::string>& targets, Observer* observer,
                                            int threads, bool follows_edits) {
   std::shared_ptr<Evaluation> e(new Evaluation);
-  e->graph_ = graph_, e->follows_edits_ = follows_edits;
+  e->graph_ = graph_;
+  e->follows_edits_ = follows_edits;
   e->cancel_node_.resize(graph_->nodes.size());
   RunOptions& o = e->options_;
   o.targets = target_nodes(*graph_, targets);

@@ -185,7 +185,9 @@ class Editor {
     const std::string line = e.graph.empty() ? "type: " + yaml_word(e.type) : "graph: " + yaml_word(e.graph);
     take(add_yaml_block(text_, {"nodes", e.node}, line, "{" + line + "}"));
     RawNode n;
-    n.name = e.node, n.type = e.type, n.graph = e.graph;
+    n.name = e.node;
+    n.type = e.type;
+    n.graph = e.graph;
     doc_.nodes.push_back(std::move(n));
   }
 

@@ -18,7 +18,8 @@ class Patch {
 
   // Follows the path as far as it exists. Returns the number of keys found.
   std::size_t follow(const YamlPath& path) {
-    map_ = &*root_, entry_ = nullptr;
+    map_ = &*root_;
+    entry_ = nullptr;
     for (std::size_t k = 0; k < path.size(); ++k) {
       if (entry_) {
         if (entry_->second.kind != YamlNode::Kind::Map) return k;
@@ -27,7 +28,10 @@ class Patch {
       const auto at = std::find_if(map_->entries.begin(), map_->entries.end(), [&](const Entry& e) {
         return e.first.text == path[k] && e.first.end > e.first.begin;
       });
-      if (at == map_->entries.end()) return entry_ = nullptr, k;
+      if (at == map_->entries.end()) {
+        entry_ = nullptr;
+        return k;
+      }
       entry_ = &*at;
     }
     return path.size();
@@ -99,7 +103,10 @@ class Patch {
   // Adds lines to an inner map.
   std::optional<std::string> with_lines_in(const YamlNode& map, const std::string& lines) {
     if (map.kind != YamlNode::Kind::Map) return {};
-    if (!map.entries.empty()) return map_ = &map, with_lines(lines);
+    if (!map.entries.empty()) {
+      map_ = &map;
+      return with_lines(lines);
+    }
     std::string added = "\n";
     for (std::size_t at = 0; at < lines.size();) {
       const auto stop = std::min(lines.find('\n', at), lines.size());
@@ -133,7 +140,7 @@ class Patch {
   }
 
   std::optional<std::string> without_entry() const {
-    const auto k = static_cast<std::size_t>(entry_ - map_->entries.data());
+    const std::size_t k = entry_ - map_->entries.data();
     if (map_->flow) {
       if (map_->entries.size() == 1) return replaced(map_->begin, map_->end, "{}");
       if (k == 0) return replaced(entry_->first.begin, map_->entries[1].first.begin, "");

@@ -41,10 +41,8 @@ ParameterValue relative(const std::string& path, const std::filesystem::path& ba
 // `path_text`: how an input path is written.
 std::string write(const Graph& graph, const std::vector<bool>& which,
                   const std::function<ParameterValue(const std::string&)>& path_text) {
-  const auto wanted = [&](int i) { return which.empty() || which[static_cast<std::size_t>(i)]; };
-  const auto reference = [&](const Wire& w) {
-    return graph.nodes[static_cast<std::size_t>(w.node)].path + "." + w.port;
-  };
+  const auto wanted = [&](int i) { return which.empty() || which[i]; };
+  const auto reference = [&](const Wire& w) { return graph.nodes[w.node].path + "." + w.port; };
   YAML::Emitter out;
   out << YAML::BeginMap << YAML::Key << "terrazzo" << YAML::Value << graph_format;
   out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << graph.name;

@@ -14,7 +14,7 @@ bool is_plain(const std::string& s) {
   if (s.rfind("...", 0) == 0 || s.rfind("<<", 0) == 0) return false;
   if (std::string("?:#&*!|>'\"%@`=").find(s[0]) != std::string::npos) return false;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const auto c = static_cast<unsigned char>(s[i]);
+    const unsigned char c = s[i];
     // Control characters, and the first byte of those beyond ASCII, of the separators and of the byte order
     // mark, which YAML does not allow in plain words.
     if (c < 0x20 || c == 0x7f || c == 0xc2 || c == 0xef) return false;
@@ -32,9 +32,10 @@ std::string yaml_word(const std::string& s) {
   if (is_plain(s)) return s;
   std::string quoted = "\"";
   for (const char c : s) {
-    if (c == '"' || c == '\\')
-      quoted += '\\', quoted += c;
-    else if (c == '\n')
+    if (c == '"' || c == '\\') {
+      quoted += '\\';
+      quoted += c;
+    } else if (c == '\n')
       quoted += "\\n";
     else if (c == '\t')
       quoted += "\\t";

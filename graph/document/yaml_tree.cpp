@@ -65,8 +65,12 @@ class TreeReader {
   // Reads a value into `out`. Returns false at the end of a collection and at errors; the latter set failed_.
   bool next(YamlNode& out, int depth) {
     const Event e(parser_);
-    if (!e.valid || depth > kDeepest) return failed_ = true, false;
-    out.begin = byte(e.event.start_mark), out.end = byte(e.event.end_mark);
+    if (!e.valid || depth > kDeepest) {
+      failed_ = true;
+      return false;
+    }
+    out.begin = byte(e.event.start_mark);
+    out.end = byte(e.event.end_mark);
     switch (e.event.type) {
       case YAML_ALIAS_EVENT:
         out.kind = YamlNode::Kind::Alias;
@@ -111,7 +115,10 @@ class TreeReader {
         continue;
       }
       YamlNode value;
-      if (!next(value, depth + 1)) return failed_ = true, false;
+      if (!next(value, depth + 1)) {
+        failed_ = true;
+        return false;
+      }
       end = std::max(end, value.end);
       out.entries.emplace_back(std::move(child), std::move(value));
     }

@@ -26,7 +26,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 std::string lower(std::string s) {
-  for (auto& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (auto& c : s) c = std::tolower(static_cast<unsigned char>(c));
   return s;
 }
 
@@ -41,7 +41,10 @@ std::string nearest(const std::string& name, const std::vector<std::string>& can
   for (const auto& c : candidates) {
     if (c.size() > name.size() + best_distance || name.size() > c.size() + best_distance) continue;
     const std::size_t d = edit_distance(lower(name), lower(c));
-    if (d < best_distance || (d == best_distance && best.empty())) best = c, best_distance = d;
+    if (d < best_distance || (d == best_distance && best.empty())) {
+      best = c;
+      best_distance = d;
+    }
   }
   return best;
 }

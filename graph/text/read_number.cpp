@@ -19,7 +19,7 @@ std::optional<double> take_number(std::string_view& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
   if (error != std::errc()) return {};
-  text = rest.substr(static_cast<std::size_t>(end - rest.data()));
+  text = rest.substr(end - rest.data());
   return value;
 }
 

@@ -24,7 +24,10 @@ bool is_blank(char c) { return c == ' ' || c == '\n' || c == '\t' || c == '\r'; 
 // The first character of `text` as it is shown; `length`: its length.
 std::string shown(std::string_view text, std::size_t& length) {
   length = utf8_length(text.substr(0, 4));
-  if (length == 0) return length = 1, "\xef\xbf\xbd";
+  if (length == 0) {
+    length = 1;
+    return "\xef\xbf\xbd";
+  }
   const std::uint32_t c = code_point(text.substr(0, length));
   return steers(c) ? fmt::format("\\u{:04x}", c) : std::string(text.substr(0, length));
 }

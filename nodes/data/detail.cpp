@@ -31,15 +31,22 @@ void encode(const Detail& v, Writer& w) {
 
 Detail decode_detail(Reader& r) {
   Detail v;
-  v.pixel_size = r.pod<double>(), v.size = r.pod<int>(), v.softness = r.pod<double>();
+  v.pixel_size = r.pod<double>();
+  v.size = r.pod<int>();
+  v.softness = r.pod<double>();
   v.gray = r.pod<std::uint8_t>() != 0;
-  v.profile_color = r.raw_array<Vec3f>(), v.profile_size = r.array<float>(),
+  v.profile_color = r.raw_array<Vec3f>();
+  v.profile_size = r.array<float>();
   v.profile_group = r.array<std::int32_t>();
-  v.profile_contrast = r.raw_array<Eigen::Vector2f>(), v.profile_broad = r.raw_array<Eigen::Vector2f>();
+  v.profile_contrast = r.raw_array<Eigen::Vector2f>();
+  v.profile_broad = r.raw_array<Eigen::Vector2f>();
   Detail::Zones& z = v.zones;
-  z.sigma = r.array<float>(), z.variance = r.array<float>(), z.level = r.array<float>();
+  z.sigma = r.array<float>();
+  z.variance = r.array<float>();
+  z.level = r.array<float>();
   r.bytes(z.dark.data(), sizeof(float) * 3), r.bytes(z.light.data(), sizeof(float) * 3);
-  z.dark_contrast = r.pod<float>(), z.light_contrast = r.pod<float>();
+  z.dark_contrast = r.pod<float>();
+  z.light_contrast = r.pod<float>();
   if (z.sigma.size() != z.variance.size() || (!z.level.empty() && z.sigma.empty()) ||
       std::any_of(z.sigma.begin(), z.sigma.end(), [](float s) { return !(s > 0); }))
     throw Error("damaged", "the stored detail has zones without a field");
@@ -51,20 +58,25 @@ Detail decode_detail(Reader& r) {
   for (const std::int32_t group : v.profile_group)
     if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
       throw Error("damaged", "the stored detail has a profile of an unknown group");
-  const std::size_t n = static_cast<std::size_t>(v.size < 0 ? 0 : v.size);
+  const std::size_t n = v.size < 0 ? 0 : v.size;
   for (auto& p : v.phases) {
     r.bytes(p.color.data(), sizeof(float) * 3);
-    p.slope = r.pod<float>(), r.bytes(p.tilt.data(), sizeof(float) * 2);
+    p.slope = r.pod<float>();
+    r.bytes(p.tilt.data(), sizeof(float) * 2);
     p.rims.resize(r.count(28));
     for (auto& rim : p.rims) {
-      rim.size = r.pod<float>(), rim.offset = r.raw_array<Vec3f>();
-      rim.right = r.raw_array<Vec3f>(), rim.up = r.raw_array<Vec3f>();
+      rim.size = r.pod<float>();
+      rim.offset = r.raw_array<Vec3f>();
+      rim.right = r.raw_array<Vec3f>();
+      rim.up = r.raw_array<Vec3f>();
       if (!(rim.size > 0) || rim.offset.empty()) throw Error("damaged", "the stored detail has an empty rim");
       if (rim.right.size() != rim.up.size() || (!rim.up.empty() && rim.up.size() != rim.offset.size()))
         throw Error("damaged", "the stored detail has a rim with lists of different length");
     }
-    p.gain = r.array<float>(), p.grain_gain = r.array<float>();
-    p.tile = r.raw_array<Vec3f>(), p.broad = r.raw_array<Vec3f>();
+    p.gain = r.array<float>();
+    p.grain_gain = r.array<float>();
+    p.tile = r.raw_array<Vec3f>();
+    p.broad = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
       throw Error("damaged", "the stored detail has a tile of the wrong size");
   }
@@ -90,14 +102,13 @@ nlohmann::json describe(const Detail& v) {
     double sum = 0;
     for (std::size_t i = 0; i < p.tile.size(); ++i)
       sum += (p.broad.empty() ? p.tile[i] : Vec3f(p.tile[i] + p.broad[i])).squaredNorm();
-    phases.push_back(
-        {{"color", json_of(p.color)},
-         {"slope", p.slope},
-         {"tilt", {p.tilt.x(), p.tilt.y()}},
-         {"rims", rims(p.rims)},
-         {"gain", p.gain},
-         {"grain_gain", p.grain_gain},
-         {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * static_cast<double>(p.tile.size())))}});
+    phases.push_back({{"color", json_of(p.color)},
+                      {"slope", p.slope},
+                      {"tilt", {p.tilt.x(), p.tilt.y()}},
+                      {"rims", rims(p.rims)},
+                      {"gain", p.gain},
+                      {"grain_gain", p.grain_gain},
+                      {"deviation", p.tile.empty() ? 0 : std::sqrt(sum / (3.0 * p.tile.size()))}});
   }
   return {{"pixel_size", v.pixel_size},
           {"size", v.size},

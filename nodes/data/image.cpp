@@ -12,7 +12,10 @@ void encode(const Image& v, Writer& w) {
 
 Image decode_image(Reader& r) {
   Image v;
-  v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
+  v.width = r.pod<int>();
+  v.height = r.pod<int>();
+  v.sections = r.pod<int>();
+  v.pixel_size = r.pod<double>();
   v.pixels = r.raw_array<Vec3f>();
   if (v.pixels.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
     throw Error("damaged", "the stored image has the wrong number of pixels");

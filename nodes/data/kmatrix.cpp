@@ -14,7 +14,7 @@ void encode(const KMatrix& v, Writer& w) {
     w.pod(e.probability), w.pod(e.mean_caliper), w.pod(e.max_section_area), w.pod(e.volume);
     w.pod(e.profiles_per_caliper);
     w.bytes(e.K.data(),
-            static_cast<std::size_t>(e.K.size()) * sizeof(double));  // classes² numbers, column by column
+            e.K.size() * sizeof(double));  // classes² numbers, column by column
     w.array(e.cdf);
   }
   encode_classes(v.shapes, w);
@@ -22,14 +22,19 @@ void encode(const KMatrix& v, Writer& w) {
 
 KMatrix decode_kmatrix(Reader& r) {
   KMatrix v;
-  v.classes = r.pod<int>(), v.averaging = r.text(), v.residual = r.pod<double>();
+  v.classes = r.pod<int>();
+  v.averaging = r.text();
+  v.residual = r.pod<double>();
   if (v.classes < 1 || v.classes > 4096) throw Error("damaged", "the stored K matrix has an invalid size");
   v.shapes.resize(r.count(40 + sizeof(double) * v.classes * v.classes));
   for (auto& e : v.shapes) {
-    e.probability = r.pod<double>(), e.mean_caliper = r.pod<double>(), e.max_section_area = r.pod<double>();
-    e.volume = r.pod<double>(), e.profiles_per_caliper = r.pod<double>();
+    e.probability = r.pod<double>();
+    e.mean_caliper = r.pod<double>();
+    e.max_section_area = r.pod<double>();
+    e.volume = r.pod<double>();
+    e.profiles_per_caliper = r.pod<double>();
     e.K.resize(v.classes, v.classes);
-    r.bytes(e.K.data(), static_cast<std::size_t>(e.K.size()) * sizeof(double));
+    r.bytes(e.K.data(), e.K.size() * sizeof(double));
     e.cdf = r.array<double>();
   }
   decode_classes(v.shapes, r);

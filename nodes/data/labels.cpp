@@ -12,8 +12,12 @@ void encode(const Labels& v, Writer& w) {
 
 Labels decode_labels(Reader& r) {
   Labels v;
-  v.width = r.pod<int>(), v.height = r.pod<int>(), v.sections = r.pod<int>(), v.pixel_size = r.pod<double>();
-  v.ids = r.array<std::int32_t>(), v.classes = r.array<std::int32_t>();
+  v.width = r.pod<int>();
+  v.height = r.pod<int>();
+  v.sections = r.pod<int>();
+  v.pixel_size = r.pod<double>();
+  v.ids = r.array<std::int32_t>();
+  v.classes = r.array<std::int32_t>();
   if (v.ids.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
     throw Error("damaged", "the stored labels have the wrong number of pixels");
   return v;
@@ -27,8 +31,7 @@ nlohmann::json describe(const Labels& v) {
           {"sections", v.sections},
           {"pixel_size", v.pixel_size},
           {"profiles", v.count()},
-          {"area_fraction",
-           v.ids.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(v.ids.size())}};
+          {"area_fraction", v.ids.empty() ? 0.0 : static_cast<double>(inside) / v.ids.size()}};
 }
 
 }  // namespace

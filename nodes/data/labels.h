@@ -18,7 +18,7 @@ struct Labels {
   std::size_t index(int x, int y, int section = 0) const {
     return (static_cast<std::size_t>(section) * height + y) * width + x;
   }
-  int count() const { return static_cast<int>(classes.size()); }
+  int count() const { return classes.size(); }
 };
 
 template <>

@@ -19,9 +19,12 @@ void encode(const Particles& v, Writer& w) {
 Particles decode_particles(Reader& r) {
   Particles v;
   r.bytes(v.box.data(), sizeof(double) * 3);
-  v.shape = r.array<std::int32_t>(), v.cls = r.array<std::int32_t>();
-  v.position = r.raw_array<Vec3>(), v.orientation = r.raw_array<Quat>();
-  v.scale = r.array<double>(), v.size = r.array<double>();
+  v.shape = r.array<std::int32_t>();
+  v.cls = r.array<std::int32_t>();
+  v.position = r.raw_array<Vec3>();
+  v.orientation = r.raw_array<Quat>();
+  v.scale = r.array<double>();
+  v.size = r.array<double>();
   v.color = r.raw_array<Vec3f>();
   r.bytes(v.binder_color.data(), sizeof(float) * 3);
   v.voids = r.array<std::uint8_t>();

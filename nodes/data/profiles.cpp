@@ -25,21 +25,30 @@ void encode(const Profiles& v, Writer& w) {
 
 Profiles decode_profiles(Reader& r) {
   Profiles v;
-  v.observed_area = r.pod<double>(), v.sections = r.pod<int>(), v.classes = r.pod<int>();
+  v.observed_area = r.pod<double>();
+  v.sections = r.pod<int>();
+  v.classes = r.pod<int>();
   r.bytes(v.window.data(), sizeof(double) * 2);
   r.bytes(v.binder_color.data(), sizeof(float) * 3);
   v.area_fraction = r.pod<double>();
   v.profiles.resize(r.count(60));
   for (auto& p : v.profiles) {
-    p.section = r.pod<int>(), p.cls = r.pod<int>(), p.area = r.pod<double>();
+    p.section = r.pod<int>();
+    p.cls = r.pod<int>();
+    p.area = r.pod<double>();
     r.bytes(p.centroid.data(), sizeof(double) * 2);
-    p.touches_border = r.pod<std::uint8_t>() != 0, p.weight = r.pod<double>(), p.confidence = r.pod<double>();
+    p.touches_border = r.pod<std::uint8_t>() != 0;
+    p.weight = r.pod<double>();
+    p.confidence = r.pod<double>();
     r.bytes(p.color.data(), sizeof(float) * 3);
     p.contour = r.raw_array<Vec2>();
   }
   if (r.left() == 0) return v;
   v.fragments.resize(r.count(20));
-  for (Fragment& f : v.fragments) r.bytes(f.color.data(), sizeof(float) * 3), f.area = r.pod<double>();
+  for (Fragment& f : v.fragments) {
+    r.bytes(f.color.data(), sizeof(float) * 3);
+    f.area = r.pod<double>();
+  }
   return v;
 }
 

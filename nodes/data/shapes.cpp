@@ -41,10 +41,14 @@ Shapes decode_shapes(Reader& r) {
   v.shapes.resize(r.count(65));
   for (auto& s : v.shapes) {
     s.name = r.text();
-    s.probability = r.pod<double>(), s.volume = r.pod<double>(), s.surface_area = r.pod<double>();
-    s.mean_caliper = r.pod<double>(), s.max_section_area = r.pod<double>();
+    s.probability = r.pod<double>();
+    s.volume = r.pod<double>();
+    s.surface_area = r.pod<double>();
+    s.mean_caliper = r.pod<double>();
+    s.max_section_area = r.pod<double>();
     s.smooth = r.pod<std::uint8_t>() != 0;
-    s.mesh.vertices = r.raw_array<Vec3>(), s.mesh.triangles = r.raw_array<Triangle>();
+    s.mesh.vertices = r.raw_array<Vec3>();
+    s.mesh.triangles = r.raw_array<Triangle>();
     for (const auto& t : s.mesh.triangles)
       for (const auto i : t)
         if (i < 0 || static_cast<std::size_t>(i) >= s.mesh.vertices.size())
@@ -53,7 +57,8 @@ Shapes decode_shapes(Reader& r) {
   decode_classes(v.shapes, r);
   if (r.left() == 0) return v;
   for (auto& s : v.shapes) {
-    s.color = r.raw_array<Vec3f>(), s.uv = r.raw_array<CornerUv>();
+    s.color = r.raw_array<Vec3f>();
+    s.uv = r.raw_array<CornerUv>();
     if (!s.color.empty() && s.color.size() != s.mesh.vertices.size())
       throw Error("damaged", "the stored colors are not one per vertex");
     if (!s.uv.empty() && s.uv.size() != s.mesh.triangles.size())

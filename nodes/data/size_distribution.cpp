@@ -20,12 +20,17 @@ SizeDistribution decode_size_distribution(Reader& r) {
   v.class_edges = r.array<double>();
   v.shapes.resize(r.count(32));
   for (auto& e : v.shapes) {
-    e.shape = r.pod<int>(), e.cls = r.pod<int>();
-    e.N_V = r.array<double>(), e.low = r.array<double>(), e.high = r.array<double>();
+    e.shape = r.pod<int>();
+    e.cls = r.pod<int>();
+    e.N_V = r.array<double>();
+    e.low = r.array<double>();
+    e.high = r.array<double>();
     if (e.N_V.size() != v.classes() || e.low.size() != v.classes() || e.high.size() != v.classes())
       throw Error("damaged", "the stored distribution has the wrong number of classes");
   }
-  v.volume_fraction = r.pod<double>(), v.d_max = r.pod<double>(), v.goodness_of_fit = r.pod<double>();
+  v.volume_fraction = r.pod<double>();
+  v.d_max = r.pod<double>();
+  v.goodness_of_fit = r.pod<double>();
   return v;
 }
 

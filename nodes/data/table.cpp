@@ -33,7 +33,7 @@ double Table::number(std::size_t row, const std::string& name) const {
   const int c = column(name);
   if (c < 0) throw Error("no-column", "the table has no column '" + name + "'");
   if (row >= rows.size()) throw Error("no-row", "the table has no row " + std::to_string(row));
-  if (const auto* v = std::get_if<double>(&rows[row].at(static_cast<std::size_t>(c)))) return *v;
+  if (const auto* v = std::get_if<double>(&rows[row].at(c))) return *v;
   throw Error("not-a-number", "row " + std::to_string(row) + " of column '" + name + "' is not a number");
 }
 

@@ -77,14 +77,18 @@ void decode_metadata(GridBase& grid, Reader& r) {
 openvdb::math::Mat4d affine(const openvdb::math::Transform& transform) {
   using namespace openvdb::math;
   Vec3d scale, shift(0.0);
-  if (const auto* st = dynamic_cast<const ScaleTranslateMap*>(transform.baseMap().get()))
-    scale = st->getScale(), shift = st->getTranslation();
-  else if (const auto* s = dynamic_cast<const ScaleMap*>(transform.baseMap().get()))
+  if (const auto* st = dynamic_cast<const ScaleTranslateMap*>(transform.baseMap().get())) {
+    scale = st->getScale();
+    shift = st->getTranslation();
+  } else if (const auto* s = dynamic_cast<const ScaleMap*>(transform.baseMap().get()))
     scale = s->getScale();
   else
     return transform.baseMap()->getAffineMap()->getMat4();
   Mat4d m = Mat4d::identity();
-  for (int i = 0; i < 3; ++i) m[i][i] = scale[i], m[3][i] = shift[i];
+  for (int i = 0; i < 3; ++i) {
+    m[i][i] = scale[i];
+    m[3][i] = shift[i];
+  }
   return m;
 }
 

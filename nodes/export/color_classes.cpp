@@ -19,7 +19,7 @@ int number_cells(const std::vector<Cell>& cells, std::vector<int>& of) {
   of.clear();
   for (const Cell& c : cells)
     of.push_back(numbers.emplace(c, static_cast<int>(numbers.size())).first->second);
-  return static_cast<int>(numbers.size());
+  return numbers.size();
 }
 
 }  // namespace
@@ -53,8 +53,10 @@ ColorClasses color_classes(const std::vector<Vec3f>& colors, int most) {
     });
   std::vector<Vec3> sum(static_cast<std::size_t>(classes), Vec3::Zero());
   std::vector<std::size_t> members(sum.size());
-  for (std::size_t i = 0; i < colors.size(); ++i)
-    sum[out.of[i]] += colors[i].cast<double>(), ++members[out.of[i]];
+  for (std::size_t i = 0; i < colors.size(); ++i) {
+    sum[out.of[i]] += colors[i].cast<double>();
+    ++members[out.of[i]];
+  }
   for (std::size_t c = 0; c < sum.size(); ++c)
     out.color.push_back((sum[c] / static_cast<double>(members[c])).cast<float>());
   return out;

@@ -33,7 +33,7 @@ Volume chosen_grids(const Context& c, const Volume& volume) {
                   fmt::format("the volume has no grid '{}' (its grids: {})", name, fmt::join(all, ", ")),
                   "choose one of them")
           .parameter("grids");
-    out.grids.push_back(volume.grids[static_cast<std::size_t>(at - all.begin())]);
+    out.grids.push_back(volume.grids[at - all.begin()]);
   }
   return out;
 }

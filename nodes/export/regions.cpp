@@ -30,7 +30,7 @@ std::vector<std::size_t> count_voxels(const VoxelSource& id, const VoxelBox& box
                       fmt::format("the grid id contains {}; at most {} is supported", v, kMost));
         voxels.resize(std::max<std::size_t>(voxels.size() * 2, static_cast<std::size_t>(v) + 1));
       }
-      ++voxels[static_cast<std::size_t>(v)];
+      ++voxels[v];
     }
   }
   while (!voxels.empty() && voxels.back() == 0) voxels.pop_back();
@@ -88,13 +88,13 @@ Regions find_regions(const VoxelSource& id, const VoxelBox& box, const Particles
     if (particles->void_count() > 0) out.all.push_back({.is = Region::Is::Void, .phase = 2 + last_class});
   }
   for (std::size_t p = 0; p < seen; ++p) {
-    const auto index = static_cast<std::int32_t>(p);
+    const std::int32_t index = p;
     const std::int32_t cls = particles ? particles->cls[p] : -1;
     const std::int32_t phase = is_void(p) ? 2 + last_class : particles ? 1 + cls : 1;
     out.phase_number.push_back(phase);
     if (kind == RegionKind::Phases) {
       out.of_particle.push_back(phase);
-      out.all[static_cast<std::size_t>(phase)].voxels += voxels[p];
+      out.all[phase].voxels += voxels[p];
     } else if (voxels[p] == 0) {
       out.of_particle.push_back(-1);
     } else {

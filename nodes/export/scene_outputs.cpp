@@ -42,7 +42,7 @@ void export_rendering(Context& c, const std::string& path, const Format& format,
                       const Shapes& shapes, const Volume* volume) {
   namespace fs = std::filesystem;
   const std::string stem = fs::path(beside(path, format, "")).filename().string();
-  Scene scene = scene_of(particles, shapes, stem, static_cast<int>(c.integer("materials")));
+  Scene scene = scene_of(particles, shapes, stem, c.integer("materials"));
   for (std::size_t s = 0; s < shapes.shapes.size(); ++s)
     if (!scene.mesh_files[s].empty()) render_mesh(shapes.shapes[s]);  // throws before anything is written
   scene.provenance = c.provenance();

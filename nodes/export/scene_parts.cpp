@@ -31,7 +31,8 @@ Scene scene_of(const Particles& particles, const Shapes& shapes, const std::stri
         .parameter("path");
   const auto members = instances_of(particles, shapes);
   Scene out;
-  out.particles = &particles, out.shapes = &shapes;
+  out.particles = &particles;
+  out.shapes = &shapes;
   std::vector<Vec3f> colors;
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) colors.push_back(particles.color[i]);
@@ -57,7 +58,7 @@ BinderMedium binder_medium(const Volume& volume, std::uint64_t memory, const Wor
   BinderMedium out;
   out.box = voxel_box(volume);
   // The values, a grid of them, and the file.
-  require_memory(16.0 * static_cast<double>(out.box.count()), memory, "the medium of the binder");
+  require_memory(16.0 * out.box.count(), memory, "the medium of the binder");
   const VoxelSource density(volume, "density", out.box);
   if (density.components() != 1 || density.whole())
     throw Error("unsupported-grid", "the grid density does not contain single real numbers",
@@ -66,7 +67,7 @@ BinderMedium binder_medium(const Volume& volume, std::uint64_t memory, const Wor
   const std::size_t plane = out.box.plane();
   for (int z = 0; z < out.box.size.z(); ++z) {
     work.check();
-    density.read(z, z + 1, &out.density[plane * static_cast<std::size_t>(z)]);
+    density.read(z, z + 1, &out.density[plane * z]);
   }
   for (float& d : out.density) d = 1 - std::clamp(d, 0.0f, 1.0f);
   out.extinction = 20 / out.box.size.cast<double>().cwiseProduct(out.box.spacing).maxCoeff();
@@ -99,8 +100,8 @@ std::array<double, 16> instance_matrix(const Particles& p, std::size_t i) {
   const Eigen::Matrix3d m = p.orientation[i].normalized().toRotationMatrix() * p.scale[i];
   std::array<double, 16> out{};
   for (int r = 0; r < 3; ++r) {
-    for (int c = 0; c < 3; ++c) out[static_cast<std::size_t>(4 * r + c)] = m(r, c);
-    out[static_cast<std::size_t>(4 * r + 3)] = p.position[i][r];
+    for (int c = 0; c < 3; ++c) out[4 * r + c] = m(r, c);
+    out[4 * r + 3] = p.position[i][r];
   }
   out[15] = 1;
   return out;

@@ -38,7 +38,7 @@ class CellLattice {
     region_.resize(box.count());
     for (int z = 0; z < box.size.z(); ++z) {
       work.check();
-      std::int32_t* plane = region_.data() + static_cast<std::size_t>(z) * box.plane();
+      std::int32_t* plane = region_.data() + z * box.plane();
       id.read(z, z + 1, plane);
       for (std::size_t i = 0; i < box.plane(); ++i) plane[i] = regions.number(plane[i]);
     }
@@ -51,21 +51,19 @@ class CellLattice {
   std::int32_t region(const Vec3i& c) const {
     if (!has(c)) return -1;
     const auto along = [&](int a) { return static_cast<std::size_t>(c[a] == box_.size[a] ? 0 : c[a]); };
-    return region_[(along(2) * static_cast<std::size_t>(box_.size.y()) + along(1)) *
-                       static_cast<std::size_t>(box_.size.x()) +
-                   along(0)];
+    return region_[(along(2) * box_.size.y() + along(1)) * box_.size.x() + along(0)];
   }
   std::size_t cell(const Vec3i& c) const {
     return (static_cast<std::size_t>(c.z()) * static_cast<std::size_t>(cells_.y()) +
             static_cast<std::size_t>(c.y())) *
                static_cast<std::size_t>(cells_.x()) +
-           static_cast<std::size_t>(c.x());
+           c.x();
   }
   std::size_t index(const Vec3i& p) const {
     return (static_cast<std::size_t>(p.z()) * static_cast<std::size_t>(points_.y()) +
             static_cast<std::size_t>(p.y())) *
                static_cast<std::size_t>(points_.x()) +
-           static_cast<std::size_t>(p.x());
+           p.x();
   }
   Vec3 place(const Vec3i& p) const {
     Vec3 out;
@@ -96,16 +94,16 @@ std::vector<std::int32_t> find_pieces(const CellLattice& lattice, std::vector<st
   visit([&](const Vec3i& c) {
     for (int a = 0; a < 3; ++a)
       if (const Vec3i before = c - Vec3i::Unit(a); c[a] > 0 && lattice.region(before) == lattice.region(c))
-        sets.join(static_cast<std::int32_t>(lattice.cell(before)),
-                  static_cast<std::int32_t>(lattice.cell(c)));
+        sets.join(lattice.cell(before), lattice.cell(c));
   });
   std::vector<std::int32_t> regions;
   piece.assign(sets.count(), -1);
   visit([&](const Vec3i& c) {
-    const std::size_t at = lattice.cell(c),
-                      first = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(at)));
-    if (first == at)
-      piece[at] = static_cast<std::int32_t>(regions.size()), regions.push_back(lattice.region(c));
+    const std::size_t at = lattice.cell(c), first = sets.find(static_cast<std::int32_t>(at));
+    if (first == at) {
+      piece[at] = regions.size();
+      regions.push_back(lattice.region(c));
+    }
     piece[at] = piece[first];
   });
   return regions;
@@ -122,7 +120,7 @@ struct NetBuilder {
   std::int32_t node(const Vec3i& p) {
     std::int32_t& n = number[lattice.index(p)];
     if (n < 0) {
-      n = static_cast<std::int32_t>(net.nodes.size());
+      n = net.nodes.size();
       net.nodes.push_back(lattice.place(p)), point.push_back(p);
     }
     return n;
@@ -132,7 +130,8 @@ struct NetBuilder {
     const std::int32_t before = lattice.region(c - Vec3i::Unit(axis)), after = lattice.region(c);
     if (before == after) return;
     SurfacePatch part;
-    part.inside = std::max(before, after), part.other = std::min(before, after);
+    part.inside = std::max(before, after);
+    part.other = std::min(before, after);
     part.side = after < 0 ? 2 * axis + 1 : before < 0 ? 2 * axis : -1;
     const Vec3i last = c - Vec3i::Unit(axis);
     const Vec3i &in = before > after ? last : c, &out = before > after ? c : last;
@@ -192,12 +191,18 @@ Neighbors neighbors_of(const CellLattice& lattice, const NetBuilder& b, const Wo
           const std::int32_t other = b.number[lattice.index(to)];
           if (around < 2 || other < 0) continue;
           if (around > 2)
-            line[static_cast<std::size_t>(lines++)] = other;
+            line[lines++] = other;
           else
-            flat[static_cast<std::size_t>(flats++)] = other;
+            flat[flats++] = other;
         }
-      if (lines == 0) out.of[n] = flat, out.count[n] = flats;
-      if (lines == 2) out.of[n] = line, out.count[n] = 2;
+      if (lines == 0) {
+        out.of[n] = flat;
+        out.count[n] = flats;
+      }
+      if (lines == 2) {
+        out.of[n] = line;
+        out.count[n] = 2;
+      }
     }
   });
   return out;
@@ -241,7 +246,7 @@ class Smoother {
       });
       if (again)
         for (std::size_t n = 0; n < nodes.size(); ++n)
-          if (kept[static_cast<std::size_t>(image_[n])]) next_[n] = nodes[n];
+          if (kept[image_[n]]) next_[n] = nodes[n];
     }
     nodes.swap(next_);
   }
@@ -250,17 +255,15 @@ class Smoother {
   // The points of a cube are numbered by bits: 1 for x, 2 for y, 4 for z.
   std::array<std::int32_t, 8> nodes_of(const Vec3i& cube) const {
     std::array<std::int32_t, 8> out;
-    for (int k = 0; k < 8; ++k)
-      out[static_cast<std::size_t>(k)] = b_.number[lattice_.index(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2))];
+    for (int k = 0; k < 8; ++k) out[k] = b_.number[lattice_.index(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2))];
     return out;
   }
   void keep_turned(const Vec3i& cube, std::vector<std::uint8_t>& kept, std::atomic<bool>& again) const {
     const auto nodes = nodes_of(cube);
     std::array<Vec3, 8> at;
     for (int k = 0; k < 8; ++k) {
-      const std::int32_t n = nodes[static_cast<std::size_t>(k)];
-      at[static_cast<std::size_t>(k)] = n >= 0 ? next_[static_cast<std::size_t>(n)]
-                                               : lattice_.place(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2));
+      const std::int32_t n = nodes[k];
+      at[k] = n >= 0 ? next_[n] : lattice_.place(cube + Vec3i(k & 1, k >> 1 & 1, k >> 2));
     }
     const double least = kLeastVolume * (lattice_.place(cube + Vec3i::Ones()) - lattice_.place(cube)).prod();
     // From corner 0 to corner 7 along the axes, in each of their orders; odd ones have the other orientation.
@@ -271,8 +274,7 @@ class Smoother {
       if (volume >= least) continue;
       for (const std::size_t k : {std::size_t{0}, i, j, std::size_t{7}}) {
         if (nodes[k] < 0) continue;
-        std::atomic_ref<std::uint8_t> flag(
-            kept[static_cast<std::size_t>(image_[static_cast<std::size_t>(nodes[k])])]);
+        std::atomic_ref<std::uint8_t> flag(kept[image_[static_cast<std::size_t>(nodes[k])]]);
         if (flag.exchange(1, std::memory_order_relaxed) == 0) again = true;
       }
     }
@@ -281,8 +283,7 @@ class Smoother {
     const std::vector<Vec3>& nodes = b_.net.nodes;
     if (neighbors_.count[n] == 0) return nodes[n];
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < neighbors_.count[n]; ++k)
-      sum += nodes[static_cast<std::size_t>(neighbors_.of[n][static_cast<std::size_t>(k)])];
+    for (int k = 0; k < neighbors_.count[n]; ++k) sum += nodes[neighbors_.of[n][static_cast<std::size_t>(k)]];
     Vec3 to = (1 - share) * nodes[n] + share * sum / neighbors_.count[n];
     const Vec3i& p = b_.point[n];
     const Vec3 from = lattice_.place(p);
@@ -346,10 +347,11 @@ SurfaceNet surface_net(const VoxelSource& id, const VoxelBox& box, const Regions
         Vec3i image = b.point[n];
         image[a] = 0;
         const std::int32_t other = b.number[lattice.index(image)];
-        net.periodic[static_cast<std::size_t>(a)].emplace_back(static_cast<std::int32_t>(n), other);
+        net.periodic[a].emplace_back(static_cast<std::int32_t>(n), other);
         // Equal to the last bit, whatever the order of the sums was.
         const double own = net.nodes[n][a];
-        net.nodes[n] = net.nodes[static_cast<std::size_t>(other)], net.nodes[n][a] = own;
+        net.nodes[n] = net.nodes[other];
+        net.nodes[n][a] = own;
       }
   return net;
 }

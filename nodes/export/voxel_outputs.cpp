@@ -47,7 +47,8 @@ std::unique_ptr<Identified> fill_content(Context& c, Content& content, const Vol
   if (out->id) {
     out->regions = find_regions(*out->id, content.box, particles, c.choice<RegionKind>("regions"),
                                 c.work().part(0, 0.2));
-    content.id = &*out->id, content.regions = &out->regions;
+    content.id = &*out->id;
+    content.regions = &out->regions;
   }
   return out;
 }
@@ -102,10 +103,10 @@ void export_surfaces(Context& c, const std::string& path, const Format& format, 
   const VoxelSource id(volume, "id", box);
   const Regions regions =
       find_regions(id, box, particles, c.choice<RegionKind>("regions"), c.work().part(0, 0.1));
-  const SurfaceNet net = surface_net(id, box, regions, static_cast<int>(c.integer("smoothing")), c.memory(),
-                                     c.work().part(0.1, 0.6));
-  c.metric("nodes", static_cast<double>(net.nodes.size()));
-  c.metric("triangles", static_cast<double>(net.corners.size()));
+  const SurfaceNet net =
+      surface_net(id, box, regions, c.integer("smoothing"), c.memory(), c.work().part(0.1, 0.6));
+  c.metric("nodes", net.nodes.size());
+  c.metric("triangles", net.corners.size());
   write_named(c, path, [&](const std::filesystem::path& file) {
     (format.extension == ".msh" ? write_msh : write_surface_stl)(file, net, regions, c.work().part(0.6, 1));
   });

@@ -96,7 +96,8 @@ ActionRecord action_record_from_json(const json& j) {
   r.warnings = j.at("warnings").get<std::vector<std::string>>();
   for (const auto& f : j.at("files")) r.files.push_back(file_from(f));
   r.seconds = j.at("seconds");
-  r.type = j.at("type"), r.version = j.at("version");
+  r.type = j.at("type");
+  r.version = j.at("version");
   for (const auto& [name, v] : j.at("parameters").items())
     r.parameters[name] = parameter_from(v.at(1), v.at(0).get<std::size_t>());
   for (const auto& [port, list] : j.at("inputs").items())

@@ -80,7 +80,10 @@ bool holds_only_entries(const fs::path& folder, std::string& stranger, std::erro
     const bool ours = it.depth() == 0 ? (is_folder ? is_table(name) : is_upkeep(name))
                       : is_folder     ? it.depth() == 1 && is_part(name)
                                       : bool(entry_of(name)) || is_leftover(name);
-    if (!ours) return stranger = it->path().lexically_relative(folder).string(), false;
+    if (!ours) {
+      stranger = it->path().lexically_relative(folder).string();
+      return false;
+    }
   }
   return true;
 }
@@ -90,11 +93,9 @@ struct Clock {
   Clock() {
     struct timespec t;
     ::clock_gettime(CLOCK_REALTIME, &t);
-    now = static_cast<double>(t.tv_sec);
+    now = t.tv_sec;
   }
-  double age(const struct stat& s) const {
-    return std::max(0.0, now - static_cast<double>(s.st_mtim.tv_sec));
-  }
+  double age(const struct stat& s) const { return std::max(0.0, now - s.st_mtim.tv_sec); }
 };
 
 void each_file_in(const fs::path& folder, const std::string& part, const Clock& clock,
@@ -107,7 +108,7 @@ void each_file_in(const fs::path& folder, const std::string& part, const Clock& 
     if (entry ? !part.empty() && !name.starts_with(part) : !is_leftover(name)) continue;
     struct stat s;
     if (::lstat(it->path().c_str(), &s) != 0 || !S_ISREG(s.st_mode)) continue;
-    use({it->path(), entry, bytes_on_disk(static_cast<std::uint64_t>(s.st_size)), clock.age(s)});
+    use({it->path(), entry, bytes_on_disk(s.st_size), clock.age(s)});
   }
 }
 

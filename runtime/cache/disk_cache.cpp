@@ -46,7 +46,8 @@ bool remove_worthless(const fs::path& folder, const char* table, const CacheFile
   if (is_record)
     if (const auto record = record_in(f); record && any_value_of(folder, *record)) return false;
   if (!removed(f.path)) return false;
-  ++(is_record ? out.records : out.leftovers), out.bytes += f.bytes;
+  ++(is_record ? out.records : out.leftovers);
+  out.bytes += f.bytes;
   return true;
 }
 
@@ -54,7 +55,10 @@ bool remove_worthless(const fs::path& folder, const char* table, const CacheFile
 
 CacheStats cache_stats(const fs::path& folder) {
   CacheStats out;
-  const auto add = [](CacheStats::Kind& k, const CacheFile& f) { ++k.count, k.bytes += f.bytes; };
+  const auto add = [](CacheStats::Kind& k, const CacheFile& f) {
+    ++k.count;
+    k.bytes += f.bytes;
+  };
   for (const char* table : cache_tables)
     each_cache_file(folder, table, -1, [&](const CacheFile& f) {
       const std::string name = table;
@@ -64,7 +68,10 @@ CacheStats cache_stats(const fs::path& folder) {
         if (!record) return;
         out.seconds += record->seconds;
         for (const auto& [port, o] : record->outputs)
-          if (o.small) ++out.in_records, ++out.by_type[o.type].count;
+          if (o.small) {
+            ++out.in_records;
+            ++out.by_type[o.type].count;
+          }
       } else if (f.name && name == "values") {
         add(out.values, f);
         const auto summary = value_summary(f.path);
@@ -90,11 +97,13 @@ Entries look_through(const fs::path& folder, int part, Collected& out) {
   for (const std::string table : cache_tables)
     each_cache_file(folder, table.c_str(), part, [&](const CacheFile& f) {
       if (remove_worthless(folder, table.c_str(), f, out)) return;
-      if (f.name && table == "values")
-        all.values.push_back(f), all.value_bytes += f.bytes;
-      else if (f.name && table == "actions")
-        all.records.push_back(f), all.record_bytes += f.bytes;
-      else
+      if (f.name && table == "values") {
+        all.values.push_back(f);
+        all.value_bytes += f.bytes;
+      } else if (f.name && table == "actions") {
+        all.records.push_back(f);
+        all.record_bytes += f.bytes;
+      } else
         all.other_bytes += f.bytes;
     });
   return all;
@@ -105,15 +114,19 @@ Entries look_through(const fs::path& folder, int part, Collected& out) {
 // day unused.
 void reduce(Entries& all, double limit, Collected& out) {
   const auto drop = [&](const CacheFile& f, std::uint64_t& count, std::uint64_t& bytes) {
-    if (removed(f.path)) ++count, out.bytes += f.bytes, bytes -= f.bytes;
+    if (removed(f.path)) {
+      ++count;
+      out.bytes += f.bytes;
+      bytes -= f.bytes;
+    }
   };
-  const auto over = [&] { return static_cast<double>(all.bytes()) > limit; };
+  const auto over = [&] { return all.bytes() > limit; };
   if (over()) {
     std::sort(all.records.begin(), all.records.end(), [](const CacheFile& a, const CacheFile& b) {
       return std::pair(-a.age, a.name) < std::pair(-b.age, b.name);
     });
     for (const auto& f : all.records) {
-      if (!over() || static_cast<double>(all.record_bytes) <= limit / 4) break;
+      if (!over() || all.record_bytes <= limit / 4) break;
       drop(f, out.records, all.record_bytes);
     }
   }
@@ -122,8 +135,7 @@ void reduce(Entries& all, double limit, Collected& out) {
     for (std::size_t i = 0; i < all.values.size(); ++i) {
       const CacheFile& f = all.values[i];
       const auto summary = value_summary(f.path);
-      order.emplace_back(
-          (summary ? summary->seconds : 0) / static_cast<double>(f.bytes + 1) / (f.age / day + 1), i);
+      order.emplace_back((summary ? summary->seconds : 0) / (f.bytes + 1) / (f.age / day + 1), i);
     }
     std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
       return std::pair(a.first, all.values[a.second].name) < std::pair(b.first, all.values[b.second].name);
@@ -140,9 +152,12 @@ void reduce(Entries& all, double limit, Collected& out) {
 Collected collect_cache(const fs::path& folder, std::uint64_t limit) {
   Collected out;
   const CacheLock lock(folder);
-  if (!lock.held()) return out.busy = true, out;
+  if (!lock.held()) {
+    out.busy = true;
+    return out;
+  }
   Entries all = look_through(folder, -1, out);
-  if (all.bytes() > limit) reduce(all, 0.9 * static_cast<double>(limit), out);
+  if (all.bytes() > limit) reduce(all, 0.9 * limit, out);
   CacheUsage(folder).set(out.left = all.bytes());
   return out;
 }
@@ -161,9 +176,12 @@ Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
   constexpr std::size_t many = 100;
   if (!known || found.values.size() + found.records.size() < many) return collect_cache(folder, limit);
   const CacheLock lock(folder);
-  if (!lock.held()) return out.busy = true, out;
-  const double share = 0.9 * static_cast<double>(limit) / 256;
-  for (int k = 0; k < 256 && static_cast<double>(bytes) > 0.995 * static_cast<double>(limit); ++k) {
+  if (!lock.held()) {
+    out.busy = true;
+    return out;
+  }
+  const double share = 0.9 * limit / 256;
+  for (int k = 0; k < 256 && bytes > 0.995 * limit; ++k) {
     const std::uint64_t before = out.bytes;
     if (k > 0) found = look_through(folder, usage.next_part(), out);
     reduce(found, share, out);
@@ -253,7 +271,10 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
     bool lost = false;
     std::error_code error;
     for (const auto& [port, o] : record->outputs) {
-      if (o.small) ++out.values, small.emplace(o.content, o);
+      if (o.small) {
+        ++out.values;
+        small.emplace(o.content, o);
+      }
       lost = lost || (!o.small && !fs::exists(cache_entry(folder, "values", o.content), error));
     }
     out.lost += lost;
@@ -265,7 +286,7 @@ Verified verify_cache(const fs::path& folder, const Registry& registry, const Va
   for (const auto& [order, entry] : records) {
     if (out.recomputed >= sample) break;
     const auto& [key, record] = entry;
-    work.progress(static_cast<double>(out.recomputed) / static_cast<double>(sample), record->type);
+    work.progress(static_cast<double>(out.recomputed) / sample, record->type);
     auto request = request_again(*record, registry, store, small, hashes, work);
     if (!request) {
       ++out.passed_over;

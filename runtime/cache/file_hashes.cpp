@@ -108,7 +108,7 @@ std::optional<Hash> FileHashes::hash(const fs::path& path, std::uint64_t most) {
         return e->hash;
       }
     }
-  require_memory(static_cast<double>(now->size), most, "the file '" + path.string() + "'");
+  require_memory(now->size, most, "the file '" + path.string() + "'");
   const auto state = hash_state(path);
   if (!state) return {};
   if (state->settled) {

@@ -136,7 +136,10 @@ std::string Store::trouble() const {
 std::shared_ptr<const ActionRecord> Store::find_action(const Hash& key, Tier& from) {
   {
     const std::lock_guard lock(mutex_);
-    if (const auto it = actions_.find(key); it != actions_.end()) return from = Tier::Memory, it->second;
+    if (const auto it = actions_.find(key); it != actions_.end()) {
+      from = Tier::Memory;
+      return it->second;
+    }
   }
   from = Tier::None;
   if (folder_.empty()) return {};
@@ -173,7 +176,8 @@ void Store::put_action(const Hash& key, std::shared_ptr<const ActionRecord> r) {
     if (const auto text = read_file(cache_entry(folder_, "actions", key)))
       if (const auto other = parse_action(*text)) {
         const std::lock_guard lock(mutex_);
-        ++twice_.count, twice_.seconds += r->seconds;
+        ++twice_.count;
+        twice_.seconds += r->seconds;
         twice_.differing += other->outputs != r->outputs;
         return;
       }
@@ -200,7 +204,7 @@ void Store::move_to_its_place(TemporaryFile& file, const OutputRecord& record) {
   std::error_code error;
   if (!fs::exists(place, error)) {
     fs::create_directories(place.parent_path(), error);
-    note_usage(static_cast<std::int64_t>(bytes_on_disk(record.bytes + value_head_size)));
+    note_usage(bytes_on_disk(record.bytes + value_head_size));
   }
   file.rename_to(place);
   written_ += record.bytes;
@@ -217,7 +221,8 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
       // The final name is the content hash, which is known only after the value is written.
       ValueWriter w(folder_ / "values", seconds);
       encode(w);
-      record.content = w.hash().hash(), record.bytes = w.hash().size();
+      record.content = w.hash().hash();
+      record.bytes = w.hash().size();
       if (w.is_small())
         record.small = std::make_shared<const std::string>(std::move(w.small()));
       else
@@ -229,7 +234,8 @@ OutputRecord Store::put_value(const Value& v, double seconds) {
   if (!on_disk) {
     HashWriter w;
     encode(w);
-    record.content = w.hash(), record.bytes = w.size();
+    record.content = w.hash();
+    record.bytes = w.size();
   }
   keep_in_memory(record.content, v, record.bytes, seconds);
   return record;
@@ -240,8 +246,9 @@ void Store::keep_in_memory(const Hash& content, const Value& v, std::uint64_t by
   auto [it, fresh] = values_.try_emplace(content);
   Kept& kept = it->second;
   if (fresh) {
-    kept.value = v, kept.bytes = bytes;
-    kept.per_byte = seconds / static_cast<double>(bytes + 1);
+    kept.value = v;
+    kept.bytes = bytes;
+    kept.per_byte = seconds / (bytes + 1);
     used_ += bytes;
   } else {
     by_worth_.erase({kept.worth, content});

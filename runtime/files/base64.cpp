@@ -15,7 +15,7 @@ std::array<std::int8_t, 256> base64_values() {
   std::array<std::int8_t, 256> values;
   values.fill(-1);
   for (std::size_t i = 0; i < base64_alphabet.size(); ++i)
-    values[static_cast<unsigned char>(base64_alphabet[i])] = static_cast<std::int8_t>(i);
+    values[static_cast<unsigned char>(base64_alphabet[i])] = i;
   return values;
 }
 
@@ -32,7 +32,10 @@ void Base64Writer::write(const void* data, std::size_t size) {
   const auto* in = static_cast<const unsigned char*>(data);
   std::array<char, 4096> text;
   std::size_t used = 0;
-  const auto flush = [&] { out_.write(text.data(), static_cast<std::streamsize>(used)), used = 0; };
+  const auto flush = [&] {
+    out_.write(text.data(), static_cast<std::streamsize>(used));
+    used = 0;
+  };
   while (size > 0) {
     if (waiting_ == 0 && size >= 3) {
       const std::size_t groups = std::min(size / 3, (text.size() - used) / 4);
@@ -41,10 +44,12 @@ void Base64Writer::write(const void* data, std::size_t size) {
       if (used == text.size()) flush();
       continue;
     }
-    rest_[waiting_++] = *in++, --size;
+    rest_[waiting_++] = *in++;
+    --size;
     if (waiting_ < 3) continue;
     encode_three(rest_.data(), text.data() + used);
-    waiting_ = 0, used += 4;
+    waiting_ = 0;
+    used += 4;
     if (used == text.size()) flush();
   }
   flush();
@@ -85,7 +90,8 @@ bool decode_base64(std::string_view text, std::string& bytes) {
     group = group << 6 | static_cast<std::uint32_t>(v);
     if (++digits < 4) continue;
     for (int shift = 16; shift >= 0; shift -= 8) bytes.push_back(static_cast<char>(group >> shift & 255));
-    group = 0, digits = 0;
+    group = 0;
+    digits = 0;
   }
   if (digits == 0) return padding == 0;
   if (digits + padding != 4) return false;

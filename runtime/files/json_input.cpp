@@ -67,7 +67,7 @@ double memory_to_read_json(std::string_view text) {
   return 64.0 * static_cast<double>(std::count(text.begin(), text.end(), ',') +
                                     std::count(text.begin(), text.end(), '[') +
                                     std::count(text.begin(), text.end(), '{')) +
-         static_cast<double>(text.size());
+         text.size();
 }
 
 std::string json_problem(const std::exception& e) {

@@ -74,8 +74,10 @@ std::uint64_t bytes_of(const ActionRecord& r) {
 
 void last_time(Plan::Node& node, const HistoryEntry& before, Store& store) {
   Tier tier;
-  if (const auto record = store.find_action(Hash::parse(before.key), tier))
-    node.seconds = record->seconds, node.bytes = bytes_of(*record);
+  if (const auto record = store.find_action(Hash::parse(before.key), tier)) {
+    node.seconds = record->seconds;
+    node.bytes = bytes_of(*record);
+  }
 }
 
 // A cached node runs anyway if the cache has lost its value and a node that runs needs it.
@@ -85,7 +87,7 @@ void add_lost_values(const Graph& graph, Store& store, const std::vector<NodeRes
     if (step != Step::Compute && step != Step::Perhaps) continue;
     for (const auto& [port, wires] : graph.nodes[i].inputs)
       for (const auto& w : wires) {
-        const auto source = static_cast<std::size_t>(w.node);
+        const std::size_t source = w.node;
         Plan::Node& p = plan.nodes[source];
         if (p.step != Step::Cached || store.has_value(results[source].outputs.at(w.port))) continue;
         p.step = step;
@@ -111,7 +113,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     std::set<std::string> running;
     for (const auto& [port, wires] : node.inputs)
       for (const auto& w : wires) {
-        const auto source = static_cast<std::size_t>(w.node);
+        const std::size_t source = w.node;
         if (plan.nodes[source].step == Step::Cached)
           inputs[port].push_back(results[source].outputs.at(w.port));
         else
@@ -147,7 +149,8 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     const auto record = store.find_action(record_key(*node.type, key, options.output_folder), tier);
     out.step = Step::Cached;
     if (record && has_outputs_of(*record, *node.type)) {
-      out.seconds = record->seconds, out.bytes = bytes_of(*record);
+      out.seconds = record->seconds;
+      out.bytes = bytes_of(*record);
       for (const auto& f : record->files) {
         const auto now = hashes.hash(options.output_folder / f.path);
         if (!now || *now != f.content)

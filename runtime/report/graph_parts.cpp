@@ -37,7 +37,7 @@ class Elements {
   int part_of(std::size_t node) { return of_node_[node] < 0 ? -1 : root(of_node_[node]); }
 
  private:
-  int& next(int e) { return together_[static_cast<std::size_t>(e)]; }
+  int& next(int e) { return together_[e]; }
   int root(int e) {
     while (next(e) != e) e = next(e) = next(next(e));
     return e;
@@ -53,8 +53,7 @@ class Elements {
       for (const auto& [port, wires] : graph_.nodes[i].inputs) {
         std::set<int> sources;
         for (const auto& w : wires)
-          if (const int s = of_node_[static_cast<std::size_t>(w.node)]; s >= 0 && s != user)
-            sources.insert(s);
+          if (const int s = of_node_[w.node]; s >= 0 && s != user) sources.insert(s);
         for (const int s : sources) {
           const auto [known, fresh] = only_user.try_emplace(s, user);
           if (known->second != user || sources.size() > 1) known->second = several;
@@ -96,7 +95,7 @@ std::vector<GraphRound> graph_rounds(const Graph& graph, const std::vector<int>&
       (inside ? used_inside : used_outside)[s] = true;
     });
   }
-  for (const int t : targets) used_outside[static_cast<std::size_t>(t)] = true;
+  for (const int t : targets) used_outside[t] = true;
   std::vector<GraphRound> out;
   std::map<std::pair<std::size_t, int>, std::size_t> at;  // of a part in its round
   std::vector<std::set<std::size_t>> shared;              // by round

@@ -26,7 +26,9 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
   try {
     const json j = parse_json(*text);
     HistoryEntry e;
-    e.key = j.at("key"), e.type = j.at("type"), e.version = j.at("version");
+    e.key = j.at("key");
+    e.type = j.at("type");
+    e.version = j.at("version");
     j.at("parameters").get_to(e.parameters);
     j.at("files").get_to(e.files);
     j.at("inputs").get_to(e.inputs);
@@ -41,7 +43,9 @@ std::optional<HistoryEntry> History::find(const Graph& graph, const GraphNode& n
 HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>& results, FileHashes& hashes,
                            const Hash& key) {
   HistoryEntry e;
-  e.key = key.text(), e.type = node.type->name, e.version = node.type->version;
+  e.key = key.text();
+  e.type = node.type->name;
+  e.version = node.type->version;
   for (const auto& p : node.type->parameters) {
     const auto it = node.parameters.find(p.name);
     if (it != node.parameters.end())
@@ -57,7 +61,7 @@ HistoryEntry history_entry(const GraphNode& node, const std::vector<NodeResult>&
   }
   for (const auto& [port, wires] : node.inputs)
     for (const auto& w : wires) {
-      const auto& outputs = results[static_cast<std::size_t>(w.node)].outputs;
+      const auto& outputs = results[w.node].outputs;
       const auto it = outputs.find(w.port);
       e.inputs[port].push_back(it == outputs.end() ? "" : it->second.content.text());
     }

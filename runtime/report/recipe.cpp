@@ -11,8 +11,7 @@ std::string recipe(const Graph& graph, const GraphNode& node) {
       out += canonical(it != node.parameters.end() ? it->second.value : *p.value);
   }
   for (const auto& [port, wires] : node.inputs)
-    for (const auto& w : wires)
-      out += "\n" + port + "<" + graph.nodes[static_cast<std::size_t>(w.node)].path + "." + w.port;
+    for (const auto& w : wires) out += "\n" + port + "<" + graph.nodes[w.node].path + "." + w.port;
   return out;
 }
 

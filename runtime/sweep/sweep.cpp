@@ -84,15 +84,20 @@ SweepPoints::SweepPoints(std::vector<Vary> vary, Overrides common)
 
 SweepPoints SweepPoints::of_parts(std::vector<GraphPart> parts, Overrides common) {
   SweepPoints out;
-  out.size_ = parts.size(), out.width_ = std::max<std::size_t>(3, std::to_string(parts.size()).size());
-  out.parts_ = std::move(parts), out.common_ = std::move(common);
+  out.size_ = parts.size();
+  out.width_ = std::max<std::size_t>(3, std::to_string(parts.size()).size());
+  out.parts_ = std::move(parts);
+  out.common_ = std::move(common);
   return out;
 }
 
 std::string SweepPoint::caption() const {
   std::string out = folder;
   const char* between = ": ";
-  for (const auto& [target, value] : values) out += between + target + " " + value, between = ", ";
+  for (const auto& [target, value] : values) {
+    out += between + target + " " + value;
+    between = ", ";
+  }
   return out;
 }
 
@@ -227,7 +232,10 @@ void SweepTable::write(const std::function<void(const std::string&)>& write) con
     }
     line += fmt::format(",{},{:.3f}", row.status, row.seconds);
     known.assign(columns_.size(), false);
-    for (const auto& [column, value] : row.metrics) values[column] = value, known[column] = true;
+    for (const auto& [column, value] : row.metrics) {
+      values[column] = value;
+      known[column] = true;
+    }
     for (const auto& [metric, column] : columns_)
       line += known[column] ? fmt::format(",{}", values[column]) : ",";
     write(line + "\n");

@@ -73,7 +73,8 @@ std::string chunk_name(std::size_t chunk, std::size_t chunks) {
 }
 
 bool WorkerLog::write(json event) const {
-  event["host"] = machine(), event["task"] = task();
+  event["host"] = machine();
+  event["task"] = task();
   event["time"] = static_cast<std::int64_t>(std::time(nullptr));
   const std::string line = json_text(event) + "\n";
   // Opened for each line: network file systems show a line to others when the file is closed. A pipe or a
@@ -95,11 +96,14 @@ std::vector<json> LogReader::news() {
   std::vector<json> out;
   const InputFile file(file_);
   if (!file || file.size() <= offset_) return out;
-  if (file.size() - offset_ > most_text_bytes) return ++damaged_, out;
-  std::string text(static_cast<std::size_t>(file.size()) - offset_, '\0');
+  if (file.size() - offset_ > most_text_bytes) {
+    ++damaged_;
+    return out;
+  }
+  std::string text(file.size() - offset_, '\0');
   const ssize_t got = ::pread(file.descriptor(), text.data(), text.size(), static_cast<off_t>(offset_));
   if (got <= 0) return out;
-  text.resize(static_cast<std::size_t>(got));
+  text.resize(got);
   std::size_t at = 0;
   for (std::size_t end; (end = text.find('\n', at)) != std::string::npos; at = end + 1) {
     json line = json_or_null(std::string_view(text).substr(at, end - at));

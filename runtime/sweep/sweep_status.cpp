@@ -17,9 +17,10 @@ using State = PointStatus::State;
 namespace {
 
 void take_event(SweepStatus& status, const json& event, int log, std::vector<std::string>& errors) {
-  LogStatus& l = status.logs[static_cast<std::size_t>(log)];
+  LogStatus& l = status.logs[log];
   const std::string what = event.at("event");
-  l.host = event.value("host", ""), l.task = event.value("task", "");
+  l.host = event.value("host", "");
+  l.task = event.value("task", "");
   const auto index = event.value("point", std::size_t{0});
   const bool known = index >= 1 && index <= status.points.size();
   if (what == "stopped" || what == "refused" || what == "interrupted") {
@@ -30,9 +31,11 @@ void take_event(SweepStatus& status, const json& event, int log, std::vector<std
     }
     l.point = 0;
   } else if (what == "started") {
-    l.trouble.clear(), l.finished = false;
+    l.trouble.clear();
+    l.finished = false;
     if (!known) return;
-    l.point = index, l.since = event.value("time", std::int64_t{0});
+    l.point = index;
+    l.since = event.value("time", std::int64_t{0});
     status.points[index - 1] = {State::Running, log};
   } else if (what == "finished") {
     l.trouble.clear();
@@ -45,11 +48,13 @@ void take_event(SweepStatus& status, const json& event, int log, std::vector<std
       for (const auto& e : event.value("errors", std::vector<std::string>()))
         message += (message.empty() ? "" : "; ") + e;
     if (!known) {
-      l.trouble = message, l.finished = !failed;
+      l.trouble = message;
+      l.finished = !failed;
       return;
     }
     l.point = 0;
-    status.seconds += event.value("seconds", 0.0), ++status.timed;
+    status.seconds += event.value("seconds", 0.0);
+    ++status.timed;
     status.points[index - 1] = {failed ? State::Failed : State::Done, log};
     errors[index - 1] = message;
   }
@@ -58,8 +63,7 @@ void take_event(SweepStatus& status, const json& event, int log, std::vector<std
 }  // namespace
 
 std::size_t SweepStatus::count(State state) const {
-  return static_cast<std::size_t>(
-      std::count_if(points.begin(), points.end(), [&](const PointStatus& p) { return p.state == state; }));
+  return std::count_if(points.begin(), points.end(), [&](const PointStatus& p) { return p.state == state; });
 }
 
 SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
@@ -81,7 +85,7 @@ SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
       if (entry.path().extension() == ".jsonl") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const auto& file : files) {
-    const int log = static_cast<int>(status.logs.size());
+    const int log = status.logs.size();
     status.logs.push_back(
         {fs::path(file).replace_extension(".txt"), file.stem().string(), "", "", 0, 0, "", false});
     LogReader reader(file, false);
@@ -102,8 +106,10 @@ SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
     const PointSummary summary = summary_of(report);
     if (summary.status == "done" && !is_finished_point(report, hash, place)) continue;
     status.points[i].state = summary.status == "done" ? State::Done : State::Failed;
-    status.seconds += summary.seconds, ++status.timed;
-    status.computed += summary.computed, status.cached += summary.cached;
+    status.seconds += summary.seconds;
+    ++status.timed;
+    status.computed += summary.computed;
+    status.cached += summary.cached;
     for (const auto& e : summary.errors) errors[i] += (errors[i].empty() ? "" : "; ") + e;
   }
   for (std::size_t i = 0; i < status.points.size(); ++i)
@@ -120,7 +126,7 @@ SweepStatus sweep_status(const fs::path& folder, const fs::path& out) {
 std::string point_log(const SweepStatus& status, std::size_t point) {
   const int log = status.points.at(point).log;
   const std::string folder = status.sweep.points[point].folder;
-  const auto text = log < 0 ? std::nullopt : read_file(status.logs[static_cast<std::size_t>(log)].text);
+  const auto text = log < 0 ? std::nullopt : read_file(status.logs[log].text);
   const std::string start = "=== " + folder + " started\n";
   const auto at = text ? text->rfind(start) : std::string::npos;
   if (at == std::string::npos)

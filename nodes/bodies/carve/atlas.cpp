@@ -11,7 +11,7 @@ Image bake_atlas(const Mesh& mesh, int size, const std::function<Vec3f(std::size
                  std::vector<CornerUv>& uv, const Work& work) {
   const std::size_t pairs = (mesh.triangles.size() + 1) / 2;
   int per_row = std::max(1, static_cast<int>(std::floor(std::sqrt(double(pairs)))));
-  while (static_cast<std::size_t>(per_row) * static_cast<std::size_t>(per_row) < pairs) ++per_row;
+  while (static_cast<std::size_t>(per_row) * per_row < pairs) ++per_row;
   const int cell = size / per_row;
   if (cell < 4)
     throw Error("bad-value",
@@ -25,8 +25,8 @@ Image bake_atlas(const Mesh& mesh, int size, const std::function<Vec3f(std::size
   uv.resize(mesh.triangles.size());
   work.parallel(pairs, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      const int x0 = static_cast<int>(n % static_cast<std::size_t>(per_row)) * cell;
-      const int y0 = static_cast<int>(n / static_cast<std::size_t>(per_row)) * cell;
+      const int x0 = static_cast<int>(n % per_row) * cell;
+      const int y0 = static_cast<int>(n / per_row) * cell;
       const std::size_t last = std::min(2 * n + 2, mesh.triangles.size());
       for (std::size_t t = 2 * n; t < last; ++t) {
         const bool second = t % 2 == 1;
@@ -38,16 +38,15 @@ Image bake_atlas(const Mesh& mesh, int size, const std::function<Vec3f(std::size
           return Eigen::Vector2f((float(x) + 0.5f) / float(size), (float(y) + 0.5f) / float(size));
         };
         uv[t] = {place(0, 0), place(leg, 0), place(0, leg)};
-        const auto at = [&](std::size_t k) {
-          return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])];
-        };
+        const auto at = [&](std::size_t k) { return mesh.vertices[mesh.triangles[t][k]]; };
         const Vec3 a = at(0), b = at(1), c = at(2);
         for (int j = 0; j < cell; ++j)
           for (int i = 0; i + j <= cell - (second ? 2 : 1); ++i) {
             // Pixels beyond the longest edge have the color of its nearest point.
             double u = double(i) / leg, v = double(j) / leg;
             const double beyond = std::max(0.0, 0.5 * (u + v - 1));
-            u = std::clamp(u - beyond, 0.0, 1.0), v = std::clamp(v - beyond, 0.0, 1.0 - u);
+            u = std::clamp(u - beyond, 0.0, 1.0);
+            v = std::clamp(v - beyond, 0.0, 1.0 - u);
             const auto [x, y] = pixel(i, j);
             out.at(x, y) = color(t, a + u * (b - a) + v * (c - a));
           }

@@ -18,7 +18,7 @@ namespace terrazzo::carve {
 namespace {
 
 Vec3 face_normal(const Mesh& mesh, std::size_t t) {
-  const auto at = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.triangles[t][k])]; };
+  const auto at = [&](int k) { return mesh.vertices[mesh.triangles[t][k]]; };
   const Vec3 n = (at(1) - at(0)).cross(at(2) - at(0));
   return n.norm() > 0 ? Vec3(n.normalized()) : Vec3(Vec3::UnitZ());
 }
@@ -27,9 +27,9 @@ Vec3 face_normal(const Mesh& mesh, std::size_t t) {
 std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
   std::vector<Vec3> sum(mesh.vertices.size(), Vec3::Zero());
   for (const Triangle& t : mesh.triangles) {
-    const auto at = [&](int k) { return mesh.vertices[static_cast<std::size_t>(t[k])]; };
+    const auto at = [&](int k) { return mesh.vertices[t[k]]; };
     const Vec3 n = (at(1) - at(0)).cross(at(2) - at(0));
-    for (const auto v : t) sum[static_cast<std::size_t>(v)] += n;
+    for (const auto v : t) sum[v] += n;
   }
   std::vector<Vec3f> out;
   for (const Vec3& n : sum)
@@ -45,7 +45,10 @@ void sharpen(Mesh& mesh, const Eigen::AlignedBox3d& box, double near) {
     int planes = 0;
     for (int k = 0; k < 3; ++k)
       for (const double plane : {box.min()[k], box.max()[k]})
-        if (std::abs(v[k] - plane) < near) moved[k] = plane, ++planes;
+        if (std::abs(v[k] - plane) < near) {
+          moved[k] = plane;
+          ++planes;
+        }
     if (planes >= 2) v = moved;
   }
 }
@@ -64,7 +67,8 @@ Shape measured(const std::string& name, Mesh mesh, bool smooth) {
     throw Error("open-mesh", "the surface of '" + name + "' is not closed: " + faults[0],
                 "change edge, or repair the object");
   Shape s;
-  s.name = name, s.smooth = smooth;
+  s.name = name;
+  s.smooth = smooth;
   s.volume = mesh_volume(mesh);
   s.surface_area = mesh_surface_area(mesh);
   s.mean_caliper = mesh_mean_caliper(mesh);
@@ -103,7 +107,7 @@ CarvedMesh carve_mesh(const carving::BodyParts& parts, const carving::Body& body
 
   // An exact surface stays where it is; one from a grid moves onto the surface that RenderSolid shows.
   const SurfaceColor colors(*body.solid, *body.paint);
-  const auto reach = static_cast<float>(parts.whole() ? 0.02 * edge : edge);
+  const float reach = parts.whole() ? 0.02 * edge : edge;
   const auto normals = vertex_normals(mesh);
   std::vector<Vec3f> color(mesh.vertices.size());
   work.part(0.3, 0.6).parallel(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -132,7 +136,7 @@ CarvedMesh carve_mesh(const carving::BodyParts& parts, const carving::Body& body
       out.volume,
       [&](const Vec3& at, const Vec3& normal) {
         Vec3f p = (at / mm).cast<float>();
-        return colors.at(p, normal.cast<float>(), static_cast<float>(edge));
+        return colors.at(p, normal.cast<float>(), edge);
       },
       work.part(0.8, 0.95));
 
@@ -141,7 +145,8 @@ CarvedMesh carve_mesh(const carving::BodyParts& parts, const carving::Body& body
   transform(mesh, Mat3::Identity(), -middle);
   move(out.volume, -middle);
   out.shape = measured(parts.base.name, std::move(mesh), parts.base.smooth || !parts.whole());
-  out.shape.color = std::move(color), out.shape.uv = std::move(uv);
+  out.shape.color = std::move(color);
+  out.shape.uv = std::move(uv);
   return out;
 }
 

@@ -47,11 +47,9 @@ openvdb::FloatGrid::Ptr grid_of(const Mesh& mesh, double mm, double voxel) {
   for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
   std::vector<double> volume(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles)
-    volume[static_cast<std::size_t>(sets.find(t[0]))] += mesh.vertices[static_cast<std::size_t>(t[0])].dot(
-        mesh.vertices[static_cast<std::size_t>(t[1])].cross(mesh.vertices[static_cast<std::size_t>(t[2])]));
+    volume[sets.find(t[0])] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
   std::vector<Triangle> outer, inner;
-  for (const Triangle& t : mesh.triangles)
-    (volume[static_cast<std::size_t>(sets.find(t[0]))] < 0 ? inner : outer).push_back(t);
+  for (const Triangle& t : mesh.triangles) (volume[sets.find(t[0])] < 0 ? inner : outer).push_back(t);
   auto grid = grid_of(mesh, outer, mm, voxel);
   const auto cavities = grid_of(mesh, inner, mm, voxel);
   if (grid && cavities) openvdb::tools::csgDifference(*grid, *cavities);
@@ -153,7 +151,8 @@ void add_colors(Volume& volume, const std::function<Vec3f(const Vec3& p, const V
         Vec3 slope;
         for (int k = 0; k < 3; ++k) {
           openvdb::Coord low = c, high = c;
-          --low[k], ++high[k];
+          --low[k];
+          ++high[k];
           slope[k] = double(voxels.getValue(high)) - double(voxels.getValue(low));
         }
         const Vec3 normal = slope.norm() > 0 ? Vec3(slope.normalized()) : Vec3(Vec3::UnitZ());

@@ -26,11 +26,11 @@ void carve_body(Context& c) {
   const Shape* object = mode == carving::Mode::Object ? &carving::object_of(c, false) : nullptr;
   CarveOptions options;
   options.edge = c.optional_number("edge").value_or(0);
-  options.texture = static_cast<int>(c.integer("texture"));
+  options.texture = c.integer("texture");
   options.memory = c.memory();
   CarvedMesh out = carve_mesh(parts_of(c, mode, body, object), body, options, c.work().part(0.05, 1));
   c.metric("edge", out.edge);
-  c.metric("triangles", static_cast<double>(out.shape.mesh.triangles.size()));
+  c.metric("triangles", out.shape.mesh.triangles.size());
   c.metric("volume", out.shape.volume);
   c.metric("surface_area", out.shape.surface_area);
   Shapes shapes;

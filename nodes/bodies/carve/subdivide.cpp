@@ -16,8 +16,7 @@ void subdivide(Mesh& mesh, double longest, const Work& work) {
     std::unordered_map<std::uint64_t, std::int32_t> middle;
     const auto split = [&](std::int32_t a, std::int32_t b) -> std::int32_t {
       // By value: the vector grows. The sum does not depend on the order.
-      const Vec3 p = mesh.vertices[static_cast<std::size_t>(a)],
-                 q = mesh.vertices[static_cast<std::size_t>(b)];
+      const Vec3 p = mesh.vertices[a], q = mesh.vertices[b];
       if ((p - q).squaredNorm() <= limit) return -1;
       const auto [at, added] = middle.try_emplace(key(a, b), static_cast<std::int32_t>(mesh.vertices.size()));
       if (added) mesh.vertices.push_back(0.5 * (p + q));
@@ -52,7 +51,7 @@ void subdivide(Mesh& mesh, double longest, const Work& work) {
         continue;
       }
       out.push_back({m[0], b, m[1]});
-      const auto at = [&](std::int32_t i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
+      const auto at = [&](std::int32_t i) { return mesh.vertices[i]; };
       if ((at(a) - at(m[1])).squaredNorm() <= (at(m[0]) - at(c)).squaredNorm())
         out.push_back({a, m[0], m[1]}), out.push_back({a, m[1], c});
       else

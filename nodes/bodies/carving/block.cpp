@@ -12,7 +12,7 @@ class Block : public CarvedBody {
  public:
   Block(const Vec3f& size, double cut, double bevel)
       : bevel_(static_cast<float>(bevel)), has_cut_(cut > 0), size_(size) {
-    const auto c = static_cast<float>(cut);
+    const float c = cut;
     low_ = Vec3f(size_.x() * (1 - c), 0, size_.z() * (1 - c));
     high_ = Vec3f(size_.x(), size_.y() * c, size_.z());
     scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{faces()},
@@ -72,10 +72,12 @@ class Block : public CarvedBody {
   void rectangle(RayScene::Triangles& t, int face, const Vec3f& a, const Vec3f& b) {
     const int k = faces_[face].axis, i = (k + 1) % 3, j = (k + 2) % 3;
     if (b[i] - a[i] <= 0 || b[j] - a[j] <= 0) return;
-    const auto first = static_cast<std::uint32_t>(t.positions.size());
+    const std::uint32_t first = t.positions.size();
     for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
       Vec3f p;
-      p[k] = faces_[face].at, p[i] = u ? b[i] : a[i], p[j] = v ? b[j] : a[j];
+      p[k] = faces_[face].at;
+      p[i] = u ? b[i] : a[i];
+      p[j] = v ? b[j] : a[j];
       t.positions.push_back(p);
     }
     for (const std::uint32_t q : {0u, 1u, 2u, 0u, 2u, 3u}) t.indices.push_back(first + q);
@@ -99,7 +101,8 @@ class Block : public CarvedBody {
       (from_low_i ? a : b)[i] = from_low_i ? high_[i] : low_[i];
       rectangle(t, f, a, b);
       Vec3f c = zero, d = size_;
-      c[i] = low_[i], d[i] = high_[i];
+      c[i] = low_[i];
+      d[i] = high_[i];
       const bool from_low_j = low_[j] == 0;
       (from_low_j ? c : d)[j] = from_low_j ? high_[j] : low_[j];
       rectangle(t, f, c, d);

@@ -12,7 +12,7 @@ BrokenBlock::BrokenBlock(const Particles& particles, const Shapes& shapes, doubl
     : level_(level), roughness_(roughness), seed_(seed) {
   check_shown(particles, shapes);
   const double longest = particles.box.maxCoeff();
-  longest_ = static_cast<float>(longest);
+  longest_ = longest;
   size_ = (particles.box / longest).cast<float>();
   std::vector<double> radius;
   for (const Shape& s : shapes.shapes) {
@@ -23,9 +23,9 @@ BrokenBlock::BrokenBlock(const Particles& particles, const Shapes& shapes, doubl
   top_ = static_cast<float>(level + 2 * roughness) * size_.z();
   const float highest = static_cast<float>(level + 1.35 * roughness) * size_.z();  // of the face
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    const auto mesh = static_cast<std::uint32_t>(particles.shape[i]);
+    const std::uint32_t mesh = particles.shape[i];
     const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
-    const auto r = static_cast<float>(radius[mesh] * particles.scale[i] / longest);
+    const float r = radius[mesh] * particles.scale[i] / longest;
     for (int x = -1; x <= 1; ++x)
       for (int y = -1; y <= 1; ++y)
         for (int z = -1; z <= 1; ++z) {

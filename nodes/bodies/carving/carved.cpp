@@ -70,7 +70,8 @@ class Hollowed : public Solid {
       }
       if (wall.at < to) {
         s.position = origin + (from + wall.at) * d;
-        s.face = -wall.face, s.normal = -wall.normal;
+        s.face = -wall.face;
+        s.normal = -wall.normal;
         s.open = false;
         return true;
       }

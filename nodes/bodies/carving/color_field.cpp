@@ -31,8 +31,7 @@ void ColorField::set(std::size_t index, const Vec3f& linear, std::size_t& outsid
   if (!linear.allFinite()) throw bad_color(index, resolution_);
   if (linear.minCoeff() < -0.01f || linear.maxCoeff() > 1.01f) ++outside;
   for (int k = 0; k < 3; ++k)
-    voxels_[index][k] =
-        static_cast<std::uint16_t>(std::lround(65535.0f * std::sqrt(std::clamp(linear[k], 0.0f, 1.0f))));
+    voxels_[index][k] = std::lround(65535.0f * std::sqrt(std::clamp(linear[k], 0.0f, 1.0f)));
 }
 
 ColorField::ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic)
@@ -43,7 +42,7 @@ ColorField::ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool 
   voxels_.resize(colors.size());
   std::size_t outside = 0;
   for (std::size_t i = 0; i < colors.size(); ++i) set(i, colors[i], outside);
-  clamped_ = static_cast<float>(outside) / static_cast<float>(colors.size());
+  clamped_ = static_cast<float>(outside) / colors.size();
 }
 
 ColorField ColorField::of(const Volume& volume, const Work& work) {
@@ -67,7 +66,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   const Vec3i n = field.resolution_;
   field.voxels_.resize(voxel_count(n));
   std::vector<std::size_t> outside(static_cast<std::size_t>(n.z()));
-  work.parallel(static_cast<std::size_t>(n.z()), 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(n.z(), 4, [&](std::size_t begin, std::size_t end) {
     auto voxels = grid->getConstAccessor();
     for (std::size_t z = begin; z < end; ++z) {
       work.check();
@@ -81,7 +80,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   });
   std::size_t all = 0;
   for (const auto v : outside) all += v;
-  field.clamped_ = static_cast<float>(all) / static_cast<float>(field.voxels_.size());
+  field.clamped_ = static_cast<float>(all) / field.voxels_.size();
   return field;
 }
 
@@ -102,8 +101,9 @@ Vec3f ColorField::at(const Vec3f& voxel) const {
   for (int k = 0; k < 3; ++k) {
     const float p = voxel[k] - 0.5f;
     const int low = floor_of(p);
-    t[k] = p - static_cast<float>(low);
-    at[k][0] = wrap(low, k), at[k][1] = wrap(low + 1, k);
+    t[k] = p - low;
+    at[k][0] = wrap(low, k);
+    at[k][1] = wrap(low + 1, k);
   }
   Vec3f sum = Vec3f::Zero();
   float total = 0;  // 1, minus the skipped weights
@@ -123,7 +123,7 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
   for (int k = 0; k < 3; ++k) {
     const float p = voxel[k] - 0.5f;
     const int low = floor_of(p);
-    const float t = p - static_cast<float>(low);
+    const float t = p - low;
     for (int i = 0; i < 4; ++i) at[k][i] = wrap(low + i - 1, k);
     weight[k][0] = t * (-0.5f + t * (1 - 0.5f * t));
     weight[k][1] = 1 + t * t * (-2.5f + 1.5f * t);

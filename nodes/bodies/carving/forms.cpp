@@ -19,16 +19,16 @@ Shape finished(const char* name, Mesh mesh) {
   const Vec3 foot(box.center().x(), box.center().y(), box.min().z());
   for (Vec3& v : mesh.vertices) v = (v - foot) * scale;
   Shape s;
-  s.name = name, s.smooth = true, s.mesh = std::move(mesh);
+  s.name = name;
+  s.smooth = true;
+  s.mesh = std::move(mesh);
   return s;
 }
 
 // Points of a Catmull–Rom spline through `knots`, with `steps` per span.
 std::vector<Vec2> smoothed(const std::vector<Vec2>& knots, int steps) {
   std::vector<Vec2> out;
-  const auto at = [&](int i) {
-    return knots[static_cast<std::size_t>(std::clamp(i, 0, static_cast<int>(knots.size()) - 1))];
-  };
+  const auto at = [&](int i) { return knots[std::clamp(i, 0, static_cast<int>(knots.size()) - 1)]; };
   for (int i = 0; i + 1 < static_cast<int>(knots.size()); ++i)
     for (int s = 0; s < steps; ++s) {
       const double t = double(s) / steps;
@@ -58,9 +58,9 @@ Shape vase_form() {
       const double a = 2 * M_PI * j / turns;
       m.vertices.push_back(Vec3(p.x() * std::cos(a), p.x() * std::sin(a), p.y()));
     }
-  const int last = static_cast<int>(m.vertices.size());
+  const int last = m.vertices.size();
   m.vertices.push_back(Vec3(0, 0, 0.047));
-  const int rings = static_cast<int>(profile.size());
+  const int rings = profile.size();
   for (int j = 0; j < turns; ++j) {
     const int k = (j + 1) % turns;
     m.triangles.push_back({0, 1 + k, 1 + j});

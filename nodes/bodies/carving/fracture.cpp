@@ -49,7 +49,8 @@ class Fracture : public Solid {
     e.at = from + e.hit.distance;
     const BrokenBlock::Image& image = block_.images()[e.hit.instance];
     bodies_[image.mesh].normals_at(e.hit, e.face, e.normal);
-    e.face = image.turn * e.face, e.normal = image.turn * e.normal;
+    e.face = image.turn * e.face;
+    e.normal = image.turn * e.normal;
     e.leaves = e.face.dot(d) > 0;
     return e;
   }
@@ -72,7 +73,10 @@ class Fracture : public Solid {
     for (int k = 0; k < 3; ++k) {
       const float inverse = 1 / (std::abs(d[k]) < 1e-12f ? 1e-12f : d[k]);
       const float a = (bounds_.min()[k] - origin[k]) * inverse, b = (bounds_.max()[k] - origin[k]) * inverse;
-      if (std::min(a, b) > from) from = std::min(a, b), axis = k;
+      if (std::min(a, b) > from) {
+        from = std::min(a, b);
+        axis = k;
+      }
       to = std::min(to, std::max(a, b));
     }
     if (!(from < to)) return false;
@@ -113,10 +117,12 @@ class Fracture : public Solid {
   bool found(SurfacePoint* s, const Vec3f& at, const Vec3f& face, const Vec3f& normal, int within,
              bool sharp) const {
     if (!s) return true;
-    s->position = at, s->face = face, s->normal = normal, s->open = false;
+    s->position = at;
+    s->face = face;
+    s->normal = normal;
+    s->open = false;
     // A particle has its own color all over; elsewhere the paint provides the color just below the surface.
-    s->albedo = within >= 0 ? colors_.at(at * block_.longest(),
-                                         static_cast<int>(block_.images()[within].particle), sharp)
+    s->albedo = within >= 0 ? colors_.at(at * block_.longest(), block_.images()[within].particle, sharp)
                             : paint_.at(at, face, sharp);
     return true;
   }

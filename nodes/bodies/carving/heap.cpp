@@ -23,7 +23,7 @@ class Heap : public Solid {
       const Mat3 rotation = particles.orientation[i].normalized().toRotationMatrix();
       const double scale = particles.scale[i] / longest;
       RayScene::Instance instance;
-      instance.mesh = static_cast<std::uint32_t>(particles.shape[i]);
+      instance.mesh = particles.shape[i];
       instance.linear = (rotation * scale).cast<float>();
       instance.offset = (particles.position[i] / longest).cast<float>();
       instances.push_back(instance);
@@ -33,7 +33,7 @@ class Heap : public Solid {
       for (const Vec3& v : shapes.shapes[instance.mesh].mesh.vertices)
         lowest = std::min(lowest, particles.position[i].z() / longest + scale * rotation.row(2).dot(v));
     }
-    lowest_ = static_cast<float>(lowest);
+    lowest_ = lowest;
     for (auto& i : instances) i.offset.z() -= lowest_;
     scene_ = std::make_unique<RayScene>(meshes, instances);
   }

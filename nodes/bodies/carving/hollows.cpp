@@ -43,7 +43,7 @@ std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f
         for (int x = lo.x(); x <= hi.x(); ++x) {
           const Vec3 mm = particles.position[i] + Vec3(x, y, z).cwiseProduct(box) - shift;
           RayScene::Instance instance;
-          instance.mesh = static_cast<std::uint32_t>(particles.shape[i]);
+          instance.mesh = particles.shape[i];
           instance.linear = (rotation * (particles.scale[i] / unit)).cast<float>();
           instance.offset = (turn.transpose() * mm / unit).cast<float>();
           if (bounds.squaredExteriorDistance(instance.offset) > r * r / (unit * unit)) continue;

@@ -38,7 +38,10 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
     const RenderMesh m = render_mesh(s);
     RayScene::Triangles t;
     double far = 0;
-    for (const Vec3& p : m.positions) t.positions.push_back(p.cast<float>()), far = std::max(far, p.norm());
+    for (const Vec3& p : m.positions) {
+      t.positions.push_back(p.cast<float>());
+      far = std::max(far, p.norm());
+    }
     t.indices = m.indices;
     meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
     triangles_.push_back(std::move(t));
@@ -47,7 +50,7 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
   }
   double largest = 0;
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    const auto s = static_cast<std::size_t>(particles.shape[i]);
+    const std::size_t s = particles.shape[i];
     const double scale = std::abs(particles.scale[i]);
     outer_.push_back(static_cast<float>(scale * outer[s] * 1.0001)),
         inner_.push_back(static_cast<float>(scale * inner[s] * 0.9999));
@@ -57,8 +60,7 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
     mesh_of_.push_back(particles.shape[i]);
   }
   // About two cells per mean diameter, limited to the memory of a few million cells.
-  const double volume = particles.box.prod(),
-               spacing = 0.5 * std::cbrt(volume / static_cast<double>(particles.count()));
+  const double volume = particles.box.prod(), spacing = 0.5 * std::cbrt(volume / particles.count());
   for (int k = 0; k < 3; ++k) cells_[k] = std::clamp(static_cast<int>(particles.box[k] / spacing), 1, 160);
   // A shape's origin may be outside the shape: then there is no inner sphere.
   for (std::size_t s = 0; s < meshes_.size(); ++s)
@@ -84,8 +86,7 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
           for (int k = 2; k >= 0; --k) {
             const int periods = static_cast<int>(std::floor(float(cell[k]) / float(cells_[k])));
             center[k] -= float(periods) * box_[k];
-            list = list * static_cast<std::size_t>(cells_[k]) +
-                   static_cast<std::size_t>(cell[k] - periods * cells_[k]);
+            list = list * static_cast<std::size_t>(cells_[k]) + (cell[k] - periods * cells_[k]);
           }
           // Skip cells at the corners of the box that the sphere does not reach.
           float square = 0;
@@ -109,7 +110,7 @@ bool ParticleIndex::holds(std::int32_t particle, const Vec3f& from_center) const
   const float square = from_center.squaredNorm();
   if (square > outer_[particle]) return false;
   if (square < inner_[particle]) return true;
-  const auto mesh = static_cast<std::size_t>(mesh_of_[particle]);
+  const std::size_t mesh = mesh_of_[particle];
   const Vec3f local = to_mesh_[particle] * from_center;
   const Vec3f direction(0.36f, 0.48f, 0.8f);
   RayHit hit;
@@ -126,7 +127,7 @@ int ParticleIndex::at(const Vec3f& mm) const {
   for (int k = 2; k >= 0; --k) {
     p[k] = mm[k] - std::floor(mm[k] / box_[k]) * box_[k];
     const int c = std::clamp(static_cast<int>(p[k] / box_[k] * float(cells_[k])), 0, cells_[k] - 1);
-    cell = cell * static_cast<std::size_t>(cells_[k]) + static_cast<std::size_t>(c);
+    cell = cell * static_cast<std::size_t>(cells_[k]) + c;
   }
   for (std::uint32_t e = first_[cell]; e < first_[cell + 1]; ++e)
     if (holds(entries_[e].particle, p - entries_[e].center)) return entries_[e].particle;

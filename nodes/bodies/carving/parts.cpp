@@ -8,7 +8,7 @@ namespace terrazzo::carving {
 namespace {
 
 void add_instance(Mesh& out, const Mesh& mesh, const RayScene::Instance& instance) {
-  const auto first = static_cast<std::int32_t>(out.vertices.size());
+  const std::int32_t first = out.vertices.size();
   const Mat3 linear = instance.linear.cast<double>();
   const Vec3 offset = instance.offset.cast<double>();
   for (const Vec3& v : mesh.vertices) out.vertices.push_back(linear * v + offset);
@@ -44,9 +44,9 @@ BodyParts block_parts(const Vec3f& period, double cut, const Voids& voids) {
   Mesh& mesh = parts.base.mesh;
   std::vector<std::int32_t> number(27, -1);
   const auto vertex = [&](const Vec3i& g) {
-    std::int32_t& i = number[static_cast<std::size_t>((g.z() * 3 + g.y()) * 3 + g.x())];
+    std::int32_t& i = number[(g.z() * 3 + g.y()) * 3 + g.x()];
     if (i < 0) {
-      i = static_cast<std::int32_t>(mesh.vertices.size());
+      i = mesh.vertices.size();
       mesh.vertices.push_back(Vec3(at[0][g.x()], at[1][g.y()], at[2][g.z()]));
     }
     return i;
@@ -63,7 +63,8 @@ BodyParts block_parts(const Vec3f& period, double cut, const Voids& voids) {
             if (filled(beside)) continue;
             Vec3i corner = cell, u = Vec3i::Zero(), v = Vec3i::Zero();
             corner[k] += side;
-            u[(k + 1) % 3] = 1, v[(k + 2) % 3] = 1;
+            u[(k + 1) % 3] = 1;
+            v[(k + 2) % 3] = 1;
             if (!side) std::swap(u, v);
             const std::int32_t a = vertex(corner), b = vertex(corner + u), c = vertex(corner + u + v),
                                d = vertex(corner + v);
@@ -88,7 +89,8 @@ Mesh placed_object(const Shape& shape) {
 
 BodyParts object_parts(const Shape& object, const Voids& voids) {
   BodyParts parts;
-  parts.base.name = object.name, parts.base.smooth = object.smooth;
+  parts.base.name = object.name;
+  parts.base.smooth = object.smooth;
   parts.base.mesh = placed_object(object);
   remove_voids(parts, voids);
   return parts;
@@ -98,7 +100,8 @@ BodyParts fracture_parts(const Particles& particles, const Shapes& shapes, doubl
                          std::uint64_t seed) {
   const BrokenBlock block(particles, shapes, level, roughness, seed);
   BodyParts parts;
-  parts.base.name = "fracture", parts.base.smooth = true;
+  parts.base.name = "fracture";
+  parts.base.smooth = true;
   // Everything under the face, closed below: the box cuts it off at the block's sides.
   Mesh& mesh = parts.base.mesh;
   mesh = block.under_the_face().mesh;
@@ -108,16 +111,16 @@ BodyParts fracture_parts(const Particles& particles, const Shapes& shapes, doubl
   for (int j = 0; j < n; ++j) rim.push_back(j * (n + 1) + n);
   for (int i = n; i > 0; --i) rim.push_back(n * (n + 1) + i);
   for (int j = n; j > 0; --j) rim.push_back(j * (n + 1));
-  const auto first = static_cast<std::int32_t>(mesh.vertices.size());
-  const auto count = static_cast<std::int32_t>(rim.size());
+  const std::int32_t first = mesh.vertices.size();
+  const std::int32_t count = rim.size();
   for (const std::int32_t v : rim) {
-    const Vec3 p = mesh.vertices[static_cast<std::size_t>(v)];
+    const Vec3 p = mesh.vertices[v];
     mesh.vertices.push_back(Vec3(p.x(), p.y(), -0.05));
   }
   mesh.vertices.push_back(Vec3(0.5 * block.size().x(), 0.5 * block.size().y(), -0.05));
   for (std::int32_t i = 0; i < count; ++i) {
     const std::int32_t next = (i + 1) % count;
-    const std::int32_t a = rim[static_cast<std::size_t>(i)], b = rim[static_cast<std::size_t>(next)];
+    const std::int32_t a = rim[i], b = rim[next];
     mesh.triangles.push_back({a, first + i, first + next});
     mesh.triangles.push_back({a, first + next, b});
     mesh.triangles.push_back({first + i, first + count, first + next});

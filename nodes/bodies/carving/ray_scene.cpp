@@ -139,8 +139,12 @@ namespace {
 
 RTCRay ray_of(const Vec3f& o, const Vec3f& d) {
   RTCRay ray{};
-  ray.org_x = o.x(), ray.org_y = o.y(), ray.org_z = o.z();
-  ray.dir_x = d.x(), ray.dir_y = d.y(), ray.dir_z = d.z();
+  ray.org_x = o.x();
+  ray.org_y = o.y();
+  ray.org_z = o.z();
+  ray.dir_x = d.x();
+  ray.dir_y = d.y();
+  ray.dir_z = d.z();
   ray.tfar = std::numeric_limits<float>::infinity();
   ray.mask = ~0u;
   return ray;

@@ -26,11 +26,11 @@ void compute(Context& c) {
     throw Error("too-many-captions", fmt::format("there are {} captions for {} images; remove some",
                                                  choice.captions.size(), images.size()))
         .parameter("captions");
-  if (const auto v = c.optional_integer("columns")) choice.columns = static_cast<int>(*v);
-  choice.cell = static_cast<int>(c.integer("cell"));
+  if (const auto v = c.optional_integer("columns")) choice.columns = *v;
+  choice.cell = c.integer("cell");
   choice.background = c.choice<Background>("background");
   const Image sheet = contact_sheet::contact_sheet(images, choice, c.work());
-  c.metric("pictures", static_cast<double>(images.size()));
+  c.metric("pictures", images.size());
   c.output("image", sheet);
 }
 

@@ -59,7 +59,7 @@ Image resized(const Image& image, int section, int width, int height, const Work
       out(width, height, 1, narrow.pixel_size);
   work.parallel(image.height, 16, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3f> row(image.width);
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y) {
+    for (int y = begin; y < static_cast<int>(end); ++y) {
       for (int x = 0; x < image.width; ++x) {
         const Vec3f c = image.at(x, y, section).cwiseMax(0.0f);
         row[x] = larger ? linear_to_srgb(c) : c;
@@ -73,7 +73,7 @@ Image resized(const Image& image, int section, int width, int height, const Work
     }
   });
   work.parallel(height, 16, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+    for (int y = begin; y < static_cast<int>(end); ++y)
       for (int x = 0; x < width; ++x) {
         Vec3f sum = Vec3f::Zero();
         for (std::size_t k = 0; k < down[y].weights.size(); ++k)

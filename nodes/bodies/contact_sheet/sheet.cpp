@@ -14,7 +14,7 @@ namespace terrazzo::contact_sheet {
 Vec3f label_color(std::int32_t id) {
   if (id == 0) return Vec3f::Constant(0.012f);
   // Golden-angle hues separate neighboring ids; lightness and chroma cycle at other rates.
-  const double k = static_cast<double>(id), hue = 2.399963229728653 * k;
+  const double k = id, hue = 2.399963229728653 * k;
   const double light = 0.6 + 0.25 * std::fmod(k * 0.7548776662466927, 1.0),
                chroma = 0.09 + 0.06 * std::fmod(k * 0.5698402909980532, 1.0);
   return oklab_to_linear(Vec3f(static_cast<float>(light), static_cast<float>(chroma * std::cos(hue)),
@@ -46,7 +46,7 @@ std::string shortened(const std::string& text, int height, int width) {
 }  // namespace
 
 Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice, const Work& work) {
-  const int n = static_cast<int>(images.size());
+  const int n = images.size();
   const int columns = std::min(n, choice.columns > 0 ? choice.columns
                                   : n <= 3           ? n
                                                      : static_cast<int>(std::ceil(std::sqrt(n))));
@@ -61,8 +61,8 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
     const int w = std::max(1, static_cast<int>(std::lround(images[i].width * scale)));
     const int h = std::max(1, static_cast<int>(std::lround(images[i].height * scale)));
     fitted.push_back(resized(images[i], 0, w, h, work.part(static_cast<double>(i) / n, (i + 1.0) / n)));
-    width[i % columns] = std::max(width[i % columns], w),
-              height[i / columns] = std::max(height[i / columns], h);
+    width[i % columns] = std::max(width[i % columns], w);
+    height[i / columns] = std::max(height[i / columns], h);
     if (i < static_cast<int>(choice.captions.size()) && !choice.captions[i].empty())
       captioned[i / columns] = below + words;
   }

@@ -43,22 +43,22 @@ void compute(Context& c) {
   const float azimuth = degree * static_cast<float>(c.number("azimuth"));
   const float elevation = degree * static_cast<float>(c.number("elevation"));
   RenderSettings settings;
-  settings.width = static_cast<int>(c.integer("width")),
-  settings.height = static_cast<int>(c.integer("height"));
-  settings.samples = static_cast<int>(c.integer("samples"));
-  settings.gloss = static_cast<float>(c.number("gloss"));
+  settings.width = c.integer("width");
+  settings.height = c.integer("height");
+  settings.samples = c.integer("samples");
+  settings.gloss = c.number("gloss");
   settings.seed = c.seed();
 
   const carving::Body body = body_of(c, mode, settings.seed);
 
-  const int frames = static_cast<int>(c.integer("frames"));
+  const int frames = c.integer("frames");
   Image turn(settings.width, settings.height, frames, 1);
   const auto show = [&](Image image) {
     tone.apply(image);
     c.preview("image", std::move(image));
   };
   for (int i = 0; i < frames; ++i) {
-    const float at = azimuth + 6.28318531f * static_cast<float>(i) / static_cast<float>(frames);
+    const float at = azimuth + 6.28318531f * static_cast<float>(i) / frames;
     Studio::Settings light;
     light.lamp_azimuth = at - 0.95f;  // to the camera's left
     const Camera camera =

@@ -57,7 +57,8 @@ class Paths {
     for (int k = 0; k < 3; ++k) {
       const float inverse = 1 / direction[k];
       const float a = (bounds_.min()[k] - origin[k]) * inverse, b = (bounds_.max()[k] - origin[k]) * inverse;
-      from = std::max(from, std::min(a, b)), to = std::min(to, std::max(a, b));
+      from = std::max(from, std::min(a, b));
+      to = std::min(to, std::max(a, b));
     }
     return from <= to * 1.0001f + 1e-4f;
   }
@@ -154,7 +155,7 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
           PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
           Vec3f sum = image.at(x, y);
           for (int i = from; i < to; ++i) {
-            random.start(static_cast<std::uint32_t>(i));
+            random.start(i);
             float u, v;
             random.next(u, v);
             const Vec3f d =

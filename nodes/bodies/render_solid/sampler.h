@@ -15,7 +15,10 @@ class PixelSampler {
   PixelSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t samples)
       : key_(Random(seed, 0x50697865, pixel).bits()), mask_(std::bit_ceil(samples) - 1) {}
 
-  void start(std::uint32_t sample) { sample_ = reversed(sample), pair_ = 0; }
+  void start(std::uint32_t sample) {
+    sample_ = reversed(sample);
+    pair_ = 0;
+  }
 
   // Two numbers in [0, 1), stratified over the pixel's samples and independent of earlier pairs.
   void next(float& u, float& v) {

@@ -50,26 +50,27 @@ Studio::Studio(const Settings& s) : settings_(s) {
                      std::cos(s.lamp_elevation) * std::sin(s.lamp_azimuth), std::sin(s.lamp_elevation));
   frame(direction_, across_, along_);
   const double k = s.lamp_sharpness;
-  tail_ = static_cast<float>(std::exp(-2 * k));
+  tail_ = std::exp(-2 * k);
   const auto lobe = [k](double z) { return k / (2 * pi * (1 - std::exp(-2 * k))) * std::exp(k * (z - 1)); };
   const double from = std::max(-1.0, 1 - 20 / k);
-  for (int i = 0; i <= steps; ++i)
-    by_angle_[i] = static_cast<float>(pi * cosine_integral(-1 + 2.0 * i / steps, lobe, from, 256));
+  for (int i = 0; i <= steps; ++i) by_angle_[i] = pi * cosine_integral(-1 + 2.0 * i / steps, lobe, from, 256);
   const float facing = interpolate(by_angle_, direction_.z());
   lamp_ = s.lamp_share > 0 ? s.lamp_share / facing : 0;
 
   const auto relative = [&](double z) { return z < 0 ? 0.0 : s.horizon + (s.zenith - s.horizon) * z; };
   const double up = cosine_integral(1, relative, -1, 256);
-  const float dome = static_cast<float>((1 - s.lamp_share) / up);
-  horizon_ = s.horizon * dome, zenith_ = s.zenith * dome;
+  const float dome = (1 - s.lamp_share) / up;
+  horizon_ = s.horizon * dome;
+  zenith_ = s.zenith * dome;
   const auto all = [&](double z) { return z < 0 ? double(s.floor) : horizon_ + (zenith_ - horizon_) * z; };
-  for (int i = 0; i <= steps; ++i)
-    by_height_[i] = static_cast<float>(cosine_integral(-1 + 2.0 * i / steps, all, -1, 256));
+  for (int i = 0; i <= steps; ++i) by_height_[i] = cosine_integral(-1 + 2.0 * i / steps, all, -1, 256);
 }
 
 Studio Studio::furnace() {
   Settings s;
-  s.lamp_share = 0, s.horizon = s.zenith = s.floor = s.background = 1, s.has_floor = false;
+  s.lamp_share = 0;
+  s.horizon = s.zenith = s.floor = s.background = 1;
+  s.has_floor = false;
   Studio studio(s);
   // Set the constants directly, without the tables' quadrature error.
   studio.horizon_ = studio.zenith_ = 1;

@@ -109,8 +109,7 @@ void Tone::apply(Image& image) const {
   const long rows = static_cast<long>(image.height) * image.sections;
   if (image.pixels.empty() || (!view_ && !transform_)) return;
   if (view_) {
-    show_through_view(image.pixels.data(), static_cast<std::size_t>(image.width),
-                      static_cast<std::size_t>(rows), name_);
+    show_through_view(image.pixels.data(), image.width, rows, name_);
     return;
   }
   ocio::PackedImageDesc pixels(image.pixels.data()->data(), image.width, rows, 3);

@@ -54,7 +54,10 @@ class Cutter {
     // Only periodic images within the window's bounding box, grown by the radius, can reach the window.
     Vec3 lo = plane.origin, hi = plane.origin;
     const Vec3 edges[2] = {plane.frame.col(0) * layout_.width, plane.frame.col(1) * layout_.height};
-    for (const Vec3& e : edges) lo += e.cwiseMin(0.0), hi += e.cwiseMax(0.0);
+    for (const Vec3& e : edges) {
+      lo += e.cwiseMin(0.0);
+      hi += e.cwiseMax(0.0);
+    }
     const Vec3& p = particles_.position[particle];
     int first[3], last[3];
     for (int k = 0; k < 3; ++k) {
@@ -116,8 +119,7 @@ std::vector<Cut> cut_particles(const Particles& particles, const Shapes& shapes,
       layout.planes.size() * n, grain, std::vector<Cut>{},
       [&](std::size_t begin, std::size_t end) {
         std::vector<Cut> found;
-        for (std::size_t i = begin; i < end; ++i)
-          cutter.cut(static_cast<int>(i / n), static_cast<int>(i % n), found);
+        for (std::size_t i = begin; i < end; ++i) cutter.cut(i / n, i % n, found);
         return found;
       },
       [](std::vector<Cut> all, std::vector<Cut> more) {

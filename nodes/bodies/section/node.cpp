@@ -17,7 +17,7 @@ namespace {
 
 SectionChoice choice_of(const NodeParameters& c) {
   SectionChoice choice;
-  choice.planes = static_cast<int>(c.integer("planes"));
+  choice.planes = c.integer("planes");
   choice.axis = c.text("axis");
   if (c.keyword("offsets").empty()) choice.offsets = c.numbers("offsets");
   choice.width = c.optional_number("width").value_or(0);
@@ -131,7 +131,7 @@ void compute(Context& c) {
   if (!colors_alone) {
     double weights = 0;
     for (const Profile& p : profiles.profiles) weights += p.weight;
-    c.metric("profiles", static_cast<double>(profiles.profiles.size()));
+    c.metric("profiles", profiles.profiles.size());
     c.metric("area_fraction", profiles.area_fraction);
     c.metric("profiles_per_area", weights / profiles.observed_area);
     if (profiles.profiles.empty()) c.warn("the planes hit no particle");

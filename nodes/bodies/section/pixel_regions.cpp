@@ -24,10 +24,12 @@ int short_way(int d, int n) { return d > n / 2 ? d - n : d < -(n / 2) ? d + n : 
 }  // namespace
 
 void PixelRegions::measure(Section& out, const Work& work) const {
-  const int w = layout_.pixels_x, h = layout_.pixels_y, sections = static_cast<int>(layout_.planes.size());
+  const int w = layout_.pixels_x, h = layout_.pixels_y, sections = layout_.planes.size();
   const double mm_x = layout_.width / w, mm_y = layout_.height / h, pixel = mm_x * mm_y;
   const std::size_t count = static_cast<std::size_t>(w) * h;
-  out.labels.width = w, out.labels.height = h, out.labels.sections = sections;
+  out.labels.width = w;
+  out.labels.height = h;
+  out.labels.sections = sections;
   out.labels.pixel_size = layout_.pixel_size;
   out.labels.ids.assign(image_.pixels.size(), 0);
   Profiles& profiles = out.profiles;
@@ -56,22 +58,31 @@ void PixelRegions::measure(Section& out, const Work& work) const {
       const int x = static_cast<int>(at) % w, y = h - 1 - static_cast<int>(at) / w;
       const Eigen::Vector3d color = image_.pixels[section * count + at].cast<double>();
       if (value[at] < 0) {
-        binder += color, ++outside;
+        binder += color;
+        ++outside;
         continue;
       }
-      const std::int32_t root = sets.find(static_cast<std::int32_t>(at));
+      const std::int32_t root = sets.find(at);
       if (index[root] < 0) {
-        index[root] = static_cast<std::int32_t>(regions.size());
+        index[root] = regions.size();
         Sums s;
-        s.id = value[at], s.first_x = x, s.first_y = y;
+        s.id = value[at];
+        s.first_x = x;
+        s.first_y = y;
         regions.push_back(s);
       }
       Sums& s = regions[index[root]];
       const int dx = layout_.tile ? short_way(x - s.first_x, w) : x - s.first_x;
       const int dy = layout_.tile ? short_way(y - s.first_y, h) : y - s.first_y;
-      ++s.count, s.x += dx, s.y += dy, s.color += color, ++inside;
-      s.min_x = std::min(s.min_x, dx), s.max_x = std::max(s.max_x, dx);
-      s.min_y = std::min(s.min_y, dy), s.max_y = std::max(s.max_y, dy);
+      ++s.count;
+      s.x += dx;
+      s.y += dy;
+      s.color += color;
+      ++inside;
+      s.min_x = std::min(s.min_x, dx);
+      s.max_x = std::max(s.max_x, dx);
+      s.min_y = std::min(s.min_y, dy);
+      s.max_y = std::max(s.max_y, dy);
       out.labels.ids[section * count + at] =
           static_cast<std::int32_t>(profiles.profiles.size()) + index[root] + 1;
     }

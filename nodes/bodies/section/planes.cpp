@@ -16,7 +16,7 @@ namespace {
 
 void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
   constexpr double most = 64e6, limit = 256e6;
-  const double sections = static_cast<double>(layout.planes.size());
+  const double sections = layout.planes.size();
   if (wanted <= 0) wanted = std::max(fallback, std::sqrt(layout.window_area() * sections / most));
   const double x = std::max(1.0, std::round(layout.width / wanted));
   const double y = std::max(1.0, std::round(layout.height / (layout.width / x)));
@@ -26,7 +26,8 @@ void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
                             sections, x, y, limit / 1e6),
                 "raise pixel_size or use fewer planes")
         .parameter("pixel_size");
-  layout.pixels_x = static_cast<int>(x), layout.pixels_y = static_cast<int>(y);
+  layout.pixels_x = static_cast<int>(x);
+  layout.pixels_y = static_cast<int>(y);
   layout.pixel_size = layout.width / x;
 }
 
@@ -69,8 +70,10 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
     }
   } else {
     const int u = choice.axis[0] - 'x';
-    const int a = kSliceColumns[static_cast<std::size_t>(u)], b = kSliceRows[static_cast<std::size_t>(u)];
-    layout.width = box[a], layout.height = box[b], layout.tile = periodic;
+    const int a = kSliceColumns[u], b = kSliceRows[u];
+    layout.width = box[a];
+    layout.height = box[b];
+    layout.tile = periodic;
     const auto given = choice.offsets.size();
     if (given > 1 && choice.planes > 1 && given != static_cast<std::size_t>(choice.planes))
       throw Error("planes-and-offsets",
@@ -80,10 +83,10 @@ SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool p
     const auto n = given ? given : static_cast<std::size_t>(choice.planes);
     for (std::size_t i = 0; i < n; ++i) {
       SectionPlane plane;
-      plane.frame.col(0) = Vec3::Unit(a), plane.frame.col(1) = Vec3::Unit(b),
+      plane.frame.col(0) = Vec3::Unit(a);
+      plane.frame.col(1) = Vec3::Unit(b);
       plane.frame.col(2) = plane.frame.col(0).cross(plane.frame.col(1));
-      const double offset =
-          given ? choice.offsets[i] : (static_cast<double>(i) + 0.5) * box[u] / static_cast<double>(n);
+      const double offset = given ? choice.offsets[i] : (i + 0.5) * box[u] / n;
       if (!(offset >= 0 && offset <= box[u]))
         throw Error("bad-offset",
                     fmt::format("the plane at {} = {:g} mm misses the box, which ends at {:g} mm",

@@ -19,9 +19,12 @@ Bounds bounds_of(const Region& region, const PixelGrid& grid) {
            static_cast<int>(std::floor(e.lo.y() / grid.mm_y)),
            static_cast<int>(std::floor(e.hi.x() / grid.mm_x)) + 1,
            static_cast<int>(std::floor(e.hi.y() / grid.mm_y)) + 1};
-  if (!grid.wrap)
-    b.x0 = std::max(b.x0, 0), b.y0 = std::max(b.y0, 0), b.x1 = std::min(b.x1, grid.width),
+  if (!grid.wrap) {
+    b.x0 = std::max(b.x0, 0);
+    b.y0 = std::max(b.y0, 0);
+    b.x1 = std::min(b.x1, grid.width);
     b.y1 = std::min(b.y1, grid.height);
+  }
   return b;
 }
 

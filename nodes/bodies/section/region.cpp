@@ -25,7 +25,8 @@ Vec2 region_centroid(const Region& region) {
     for (std::size_t i = 0, j = l.size() - 1; i < l.size(); j = i++) {
       const Vec2 p = l[j] - o, q = l[i] - o;
       const double cross = p.x() * q.y() - p.y() * q.x();
-      twice += cross, moment += cross * (p + q);
+      twice += cross;
+      moment += cross * (p + q);
     }
   if (twice > 0) return o + moment / (3 * twice);
   const Extent e = region_extent(region);
@@ -34,7 +35,10 @@ Vec2 region_centroid(const Region& region) {
 
 Extent region_extent(const Region& region) {
   Extent e{region.at(0).at(0), region[0][0]};
-  for (const Vec2& p : region[0]) e.lo = e.lo.cwiseMin(p), e.hi = e.hi.cwiseMax(p);
+  for (const Vec2& p : region[0]) {
+    e.lo = e.lo.cwiseMin(p);
+    e.hi = e.hi.cwiseMax(p);
+  }
   return e;
 }
 

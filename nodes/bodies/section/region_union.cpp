@@ -48,13 +48,17 @@ void cover(const Region& region, const Extent& extent, const Vec2& p, const Vec2
   std::size_t widest = 0;
   double width = crossings[0];
   for (std::size_t i = 1; i < crossings.size(); ++i)
-    if (crossings[i] - crossings[i - 1] > width) widest = i, width = crossings[i] - crossings[i - 1];
+    if (crossings[i] - crossings[i - 1] > width) {
+      widest = i;
+      width = crossings[i] - crossings[i - 1];
+    }
   const double middle = crossings[widest] - width / 2;
   bool in = inside(region, p + d * middle) == (widest % 2 == 0);
   double from = 0;
   for (double t : crossings) {
     if (in) covered.emplace_back(from, t);
-    from = t, in = !in;
+    from = t;
+    in = !in;
   }
 }
 
@@ -82,7 +86,8 @@ Interval in_window(const Vec2& p, const Vec2& q, double width, double height) {
       continue;
     }
     const double a = -p[k] / d, b = (size[k] - p[k]) / d;
-    lo = std::max(lo, std::min(a, b)), hi = std::min(hi, std::max(a, b));
+    lo = std::max(lo, std::min(a, b));
+    hi = std::min(hi, std::max(a, b));
   }
   return {lo, hi};
 }

@@ -104,13 +104,12 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
       canvas.color[at] += static_cast<float>(share) * p.color;
       canvas.cover[at] += static_cast<float>(share);
       if (detail && share > canvas.share[at]) {
-        canvas.share[at] = static_cast<float>(share);
+        canvas.share[at] = share;
         canvas.owner[at] = static_cast<std::int32_t>(std::get<double>(out.table.rows[first + k][1]));
       }
     });
-    fill_pixels(visible[k], grid, [&](int x, int row) {
-      out.labels.ids[out.labels.index(x, row, section)] = static_cast<std::int32_t>(first + k + 1);
-    });
+    fill_pixels(visible[k], grid,
+                [&](int x, int row) { out.labels.ids[out.labels.index(x, row, section)] = first + k + 1; });
   }
   for (std::size_t at = 0; at < pixels; ++at) {
     if (at % (1u << 20) == 0) work.check();
@@ -131,11 +130,13 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
                     const std::function<void(const Image&)>& flat) {
   check_particles(particles, shapes);
   const std::vector<Cut> cuts = cut_particles(particles, shapes, layout, work.part(0, 0.5));
-  const int sections = static_cast<int>(layout.planes.size());
+  const int sections = layout.planes.size();
 
   Section out;
   out.image = Image(layout.pixels_x, layout.pixels_y, sections, layout.pixel_size);
-  out.labels.width = layout.pixels_x, out.labels.height = layout.pixels_y, out.labels.sections = sections;
+  out.labels.width = layout.pixels_x;
+  out.labels.height = layout.pixels_y;
+  out.labels.sections = sections;
   out.labels.pixel_size = layout.pixel_size;
   out.labels.ids.assign(out.image.pixels.size(), 0);
   Profiles& profiles = out.profiles;
@@ -167,8 +168,8 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
                        layout.height / layout.pixels_y, layout.tile};
   std::vector<double> covered(sections, 0.0);
   work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
-    paint(out, static_cast<int>(s), first[s], visible[s], grid, particles.binder_color, layout.planes[s],
-          detail, softness, flat, work);
+    paint(out, s, first[s], visible[s], grid, particles.binder_color, layout.planes[s], detail, softness,
+          flat, work);
     covered[s] =
         union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
   });

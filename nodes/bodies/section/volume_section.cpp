@@ -61,7 +61,8 @@ class Sampler {
     for (int k = 0; k < 3; ++k) {
       // Snap to voxel centers, so that rounding does not blend in a neighbor.
       const double whole = std::round(at[k]), v = std::abs(at[k] - whole) < 1e-6 ? whole : at[k];
-      base[k] = static_cast<int>(std::floor(v)), t[k] = v - base[k];
+      base[k] = static_cast<int>(std::floor(v));
+      t[k] = v - base[k];
     }
   }
   static double weight(int corner, const double* t) {
@@ -91,7 +92,7 @@ void sweep(const Grid& grid, const Volume& volume, const SectionLayout& layout, 
   work.parallel(layout.planes.size() * layout.pixels_y, 16, [&](std::size_t begin, std::size_t end) {
     const Sampler<Grid> sampler(grid, volume);
     for (std::size_t i = begin; i < end; ++i) {
-      const int section = static_cast<int>(i / layout.pixels_y), row = static_cast<int>(i % layout.pixels_y);
+      const int section = i / layout.pixels_y, row = i % layout.pixels_y;
       const SectionPlane& plane = layout.planes[section];
       const Vec3 start = corner + plane.origin + plane.frame.col(1) * ((layout.pixels_y - row - 0.5) * mm_y);
       for (int x = 0; x < layout.pixels_x; ++x)
@@ -113,7 +114,10 @@ VolumeBox volume_box(const Volume& volume) {
   if (voxels.empty()) throw Error("empty-volume", "the volume has no active voxels");
   const openvdb::Vec3d lo = transform.indexToWorld(voxels.min().asVec3d() - openvdb::Vec3d(0.5));
   const openvdb::Vec3d hi = transform.indexToWorld(voxels.max().asVec3d() + openvdb::Vec3d(0.5));
-  for (int k = 0; k < 3; ++k) box.corner[k] = std::min(lo[k], hi[k]), box.size[k] = std::abs(hi[k] - lo[k]);
+  for (int k = 0; k < 3; ++k) {
+    box.corner[k] = std::min(lo[k], hi[k]);
+    box.size[k] = std::abs(hi[k] - lo[k]);
+  }
   if (!(box.size.minCoeff() > 0)) throw Error("empty-volume", "the volume's box has no extent");
   return box;
 }
@@ -130,7 +134,7 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   VolumeSection out;
   out.color_grid = color ? "Cd" : "density";
   out.label_grid = id ? "id" : density ? "density" : "";
-  const int sections = static_cast<int>(layout.planes.size());
+  const int sections = layout.planes.size();
   out.image = Image(layout.pixels_x, layout.pixels_y, sections, layout.pixel_size);
   auto shade = [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
     out.image.at(x, row, section) = vector_of(sampler.trilinear(p));

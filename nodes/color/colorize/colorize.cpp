@@ -118,7 +118,8 @@ void color_by_fragments(Particles& particles, const Profiles& profiles, std::uin
     if (!f.color.allFinite() || !std::isfinite(f.area) || f.area < 0)
       throw Error("bad-profile", "fragment " + std::to_string(k + 1) + " has no valid color or area",
                   "check the photograph for NaN");
-    draw.add(k, f.area), hidden += f.area;
+    draw.add(k, f.area);
+    hidden += f.area;
   }
   if (draw.empty()) return;
   report.hidden = hidden / (found + hidden);
@@ -191,7 +192,8 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       ColorClusters found = choice.clusters > 0
                                 ? kmeans(lab, source.weight, choice.clusters, choice.seed, work)
                                 : kmeans_auto(lab, source.weight, 8, choice.seed, 0.5, work);
-      report.clusters = found.k, report.silhouette = found.silhouette;
+      report.clusters = found.k;
+      report.silhouette = found.silhouette;
       source.cls = std::move(found.of);
     }
     all.estimate(source, particles, -1, choice.seed, work);

@@ -45,12 +45,16 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
   const int most = std::min(kClusters, std::max(1, static_cast<int>(profiles.size() / 3)));
   ColorClusters found = kmeans(lab, weights, most, seed, work.quiet());
   cluster_ = std::move(found.of);
-  const auto clusters = static_cast<std::size_t>(found.k);
+  const std::size_t clusters = found.k;
 
   const auto [low, high] = std::minmax_element(sizes.begin(), sizes.end());
-  smallest_ = *low, ratio_ = std::max(1 + 1e-9, std::pow(*high / *low, 1.0 / kBins));
+  smallest_ = *low;
+  ratio_ = std::max(1 + 1e-9, std::pow(*high / *low, 1.0 / kBins));
   std::vector<double> count(kBins, 0), middle(kBins, 0);
-  for (const double s : sizes) ++count[bin_of(s)], middle[bin_of(s)] += s;
+  for (const double s : sizes) {
+    ++count[bin_of(s)];
+    middle[bin_of(s)] += s;
+  }
   for (std::size_t b = 0; b < kBins; ++b)
     if (count[b] > 0) middle[b] /= count[b];
   // The number of particles of each bin that are expected to show such a profile.
@@ -60,22 +64,22 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
   for (std::size_t i = 0; i < profiles.size(); ++i) {
     for (std::size_t b = 0; b < kBins; ++b)
       if (count[b] > 0) shown[i][b] = count[b] * evidence(profiles[i].size, middle[b]);
-    all[static_cast<std::size_t>(cluster_[i])] += profiles[i].weight, total += profiles[i].weight;
+    all[cluster_[i]] += profiles[i].weight;
+    total += profiles[i].weight;
   }
   for (double& a : all) a /= total;
   share_.assign(kBins, std::vector<double>(clusters, 1));
   const auto expect = [&](std::size_t i) {
     double sum = 0;
-    for (std::size_t b = 0; b < kBins; ++b)
-      sum += shown[i][b] * share_[b][static_cast<std::size_t>(cluster_[i])];
+    for (std::size_t b = 0; b < kBins; ++b) sum += shown[i][b] * share_[b][cluster_[i]];
     return sum;
   };
-  const double of_one = static_cast<double>(profiles.size()) / total;  // number of profiles per weight
+  const double of_one = profiles.size() / total;  // number of profiles per weight
   for (int round = 0; round < kRounds; ++round) {
     work.check();
     std::vector<std::vector<double>> from(kBins, std::vector<double>(clusters, 0));
     for (std::size_t i = 0; i < profiles.size(); ++i) {
-      const auto c = static_cast<std::size_t>(cluster_[i]);
+      const std::size_t c = cluster_[i];
       const double sum = expect(i);
       if (!(sum > 0)) continue;
       for (std::size_t b = 0; b < kBins; ++b)
@@ -85,9 +89,12 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
       std::vector<double> near(clusters, 0);
       double sum = 0;
       for (std::size_t d = 0; d < kBins; ++d) {
-        const double apart = (static_cast<double>(b) - static_cast<double>(d)) / kSmooth;
+        const double apart = (static_cast<double>(b) - d) / kSmooth;
         const double part = std::exp(-0.5 * apart * apart);
-        for (std::size_t c = 0; c < clusters; ++c) near[c] += part * from[d][c], sum += part * from[d][c];
+        for (std::size_t c = 0; c < clusters; ++c) {
+          near[c] += part * from[d][c];
+          sum += part * from[d][c];
+        }
       }
       for (std::size_t c = 0; c < clusters; ++c) share_[b][c] = (near[c] + kPrior * all[c]) / (sum + kPrior);
     }
@@ -95,8 +102,7 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
   work.parallel(profiles.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (const double s : sizes)
-        expected_[i] +=
-            evidence(profiles[i].size, s) * share_[bin_of(s)][static_cast<std::size_t>(cluster_[i])];
+        expected_[i] += evidence(profiles[i].size, s) * share_[bin_of(s)][cluster_[i]];
   });
 }
 
@@ -108,7 +114,7 @@ std::size_t ColorsOfSizes::bin_of(double size) const {
 double ColorsOfSizes::weight(std::size_t profile, double size) const {
   if (!(expected_[profile] > 0)) return 0;
   return profiles_[profile].weight * evidence(profiles_[profile].size, size) *
-         share_[bin_of(size)][static_cast<std::size_t>(cluster_[profile])] / expected_[profile];
+         share_[bin_of(size)][cluster_[profile]] / expected_[profile];
 }
 
 }  // namespace terrazzo::colorize

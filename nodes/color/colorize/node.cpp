@@ -10,7 +10,10 @@ namespace {
 double mean_difference(const Particles& particles, const Profiles& profiles) {
   Vec3 seen = Vec3::Zero(), given = Vec3::Zero();
   double weights = 0;
-  for (const auto& p : profiles.profiles) seen += p.weight * p.color.cast<double>(), weights += p.weight;
+  for (const auto& p : profiles.profiles) {
+    seen += p.weight * p.color.cast<double>();
+    weights += p.weight;
+  }
   const std::size_t shown = particles.count() - particles.void_count();
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) given += particles.color[i].cast<double>();
@@ -25,11 +28,11 @@ void compute(Context& c) {
   ColorChoice choice;
   choice.mode = c.choice<ColorMode>("mode");
   choice.seed = c.seed();
-  choice.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
+  choice.clusters = c.optional_integer("clusters").value_or(0);
   const ColorReport report = colorize::colorize(particles, profiles, choice, c.work());
   if (report.weightless) c.warn("every profile touches the border, so all have equal weight");
   if (report.colorless) c.warn("all profiles are black: they have no color data");
-  c.metric("profiles_used", static_cast<double>(report.profiles_used));
+  c.metric("profiles_used", report.profiles_used);
   c.metric("mean_color_difference", mean_difference(particles, profiles));
   if (report.hidden > 0) c.metric("hidden", report.hidden);
   if (report.clusters > 0) c.metric("clusters", report.clusters), c.metric("silhouette", report.silhouette);

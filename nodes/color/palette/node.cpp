@@ -40,7 +40,7 @@ void compute(Context& c) {
     p.area = 1;
     p.weight = shares[i];
     p.color = parse_color(colors[i]);
-    p.cls = static_cast<int>(classes[i]);
+    p.cls = classes[i];
     out.classes = std::max(out.classes, p.cls + 1);
     out.profiles.push_back(p);
   }

@@ -12,8 +12,9 @@ Camera Camera::framing(const Eigen::AlignedBox3f& box, float azimuth, float elev
                      std::sin(elevation));
   c.right = c.forward.cross(Vec3f::UnitZ()).normalized();
   c.up = c.right.cross(c.forward);
-  const float shorter = std::tan(field / 2), side = static_cast<float>(std::min(width, height));
-  c.half_width = shorter * float(width) / side, c.half_height = shorter * float(height) / side;
+  const float shorter = std::tan(field / 2), side = std::min(width, height);
+  c.half_width = shorter * float(width) / side;
+  c.half_height = shorter * float(height) / side;
 
   Vec3f target = box.center();
   float distance = 0;

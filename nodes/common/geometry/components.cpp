@@ -23,7 +23,7 @@ Components connected_components(const std::vector<std::int32_t>& raster, int wid
   out.ids.assign(raster.size(), 0);
   for (std::size_t i = 0; i < raster.size(); ++i) {
     if (raster[i] == 0) continue;
-    const auto r = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(i)));
+    const std::size_t r = sets.find(static_cast<std::int32_t>(i));
     if (r == i) {
       out.values.push_back(raster[i]);
       out.sizes.push_back(0);

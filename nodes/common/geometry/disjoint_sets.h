@@ -28,7 +28,8 @@ class DisjointSets {
 
   // Joins two sets. The smaller of their representatives becomes that of both.
   void join(std::int32_t a, std::int32_t b) {
-    a = find(a), b = find(b);
+    a = find(a);
+    b = find(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
 

@@ -36,7 +36,7 @@ std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
     throw no_gl(kind, "EGL found no devices");
   std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count)), wanted;
   query(count, all.data(), &count);
-  all.resize(static_cast<std::size_t>(count));
+  all.resize(count);
   for (const EGLDeviceEXT device : all)
     if (lists(text(device, EGL_EXTENSIONS), "EGL_MESA_device_software") == (kind == GlDevice::Cpu))
       wanted.push_back(device);

@@ -65,7 +65,7 @@ Channels channels_by_name(const PictureHeader& h, const std::filesystem::path& p
   int found[3] = {-1, -1, -1};
   for (int i = 0; i < h.count(); ++i)
     for (int k = 0; k < 3; ++k)
-      if (h.channels[static_cast<std::size_t>(i)] == std::string(1, "RGB"[k])) found[k] = i;
+      if (h.channels[i] == std::string(1, "RGB"[k])) found[k] = i;
   if (found[0] >= 0 && found[1] >= 0 && found[2] >= 0) {
     std::copy(found, found + 3, c.rgb);
     return c;
@@ -92,15 +92,14 @@ void require_known_colors(const StoredSamples& s, const std::filesystem::path& p
 // Whole numbers up to `top` become values up to 1.
 template <class T>
 void take_samples(const std::vector<T>& samples, int count, const Channels& c, float top, Encoded& out) {
-  const auto stride = static_cast<std::size_t>(count);
+  const std::size_t stride = count;
   for (std::size_t p = 0; p < out.image.pixels.size(); ++p)
     for (int k = 0; k < 3; ++k)
-      out.image.pixels[p][k] =
-          static_cast<float>(samples[p * stride + static_cast<std::size_t>(c.rgb[k])]) / top;
+      out.image.pixels[p][k] = static_cast<float>(samples[p * stride + c.rgb[k]]) / top;
   if (c.alpha < 0) return;
   out.alpha.resize(out.image.pixels.size());
   for (std::size_t p = 0; p < out.alpha.size(); ++p)
-    out.alpha[p] = static_cast<float>(samples[p * stride + static_cast<std::size_t>(c.alpha)]) * (1 / top);
+    out.alpha[p] = static_cast<float>(samples[p * stride + c.alpha]) * (1 / top);
 }
 
 // The image, its upright copy, and alpha.
@@ -109,7 +108,8 @@ constexpr double kMore = 2 * sizeof(Vec3f) + sizeof(float);
 Encoded read_decoded(PictureInput& in, const Channels& channels, double pixel_size) {
   const PictureHeader h = in.header();
   Encoded out;
-  out.is_float = h.is_float, out.is_gray = channels.is_gray();
+  out.is_float = h.is_float;
+  out.is_gray = channels.is_gray();
   out.premultiplied = in.attributes().whole("oiio:UnassociatedAlpha", 0) == 0;
   const auto room = [&] { out.image = Image(h.width, h.height, 1, pixel_size); };
   if (h.sample == Sample::UInt8) {
@@ -137,9 +137,8 @@ Encoded read_stored(const PictureContent& content, const ChosenPage& chosen, dou
     for (std::size_t p = 0; p < s.values.size(); ++p) {
       const auto index = std::min(static_cast<std::size_t>(s.values[p]), s.palette.size() - 1);
       for (std::size_t k = 0; k < 3; ++k)
-        out.image.pixels[p][static_cast<int>(k)] = static_cast<float>(s.palette[index][k]) / 255.0f;
-      out.alpha.push_back(index < s.palette_alpha.size() ? static_cast<float>(s.palette_alpha[index]) / 255.0f
-                                                         : 1);
+        out.image.pixels[p][static_cast<int>(k)] = s.palette[index][k] / 255.0f;
+      out.alpha.push_back(index < s.palette_alpha.size() ? s.palette_alpha[index] / 255.0f : 1);
     }
     return out;
   }
@@ -149,7 +148,7 @@ Encoded read_stored(const PictureContent& content, const ChosenPage& chosen, dou
   const Channels channels = chosen.channel ? one_channel(*chosen.channel, s.count, content.path)
                                            : channels_of_stored(s, content.path);
   out.is_gray = channels.is_gray();
-  take_samples(s.values, s.count, channels, static_cast<float>(top), out);
+  take_samples(s.values, s.count, channels, top, out);
   return out;
 }
 
@@ -157,7 +156,7 @@ void require_finite(const Encoded& e, const std::filesystem::path& path) {
   if (!e.is_float) return;
   for (std::size_t p = 0; p < e.image.pixels.size(); ++p)
     if (!e.image.pixels[p].allFinite()) {
-      const auto width = static_cast<std::size_t>(e.image.width);
+      const std::size_t width = e.image.width;
       throw Error("bad-pixels",
                   fmt::format("'{}' contains NaN or infinity at column {}, row {}", path.string(), p % width,
                               p / width),
@@ -196,8 +195,7 @@ void decode_srgb(Encoded& e) {
     return;
   }
   std::vector<float> table(static_cast<std::size_t>(e.top) + 1);
-  for (std::size_t i = 0; i < table.size(); ++i)
-    table[i] = srgb_to_linear(Vec3f::Constant(static_cast<float>(i) / e.top))[0];
+  for (std::size_t i = 0; i < table.size(); ++i) table[i] = srgb_to_linear(Vec3f::Constant(i / e.top))[0];
   for (auto& p : e.image.pixels)
     for (int k = 0; k < 3; ++k) p[k] = table[static_cast<std::size_t>(p[k] * e.top + 0.5f)];
 }
@@ -206,7 +204,7 @@ void decode_srgb(Encoded& e) {
 void convert_colors(Encoded& e, const std::string& colorspace, const PictureMetadata& metadata,
                     const std::string& icc, const std::filesystem::path& path) {
   Image& image = e.image;
-  const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
+  const std::size_t width = image.width, height = image.height;
   if (colorspace != "auto") return to_linear_rec709(image.pixels.data(), width, height, colorspace);
   const char* environment = std::getenv("OCIO");
   // Scene-linear as defined by that configuration.

@@ -20,9 +20,7 @@ Error unwritable(const std::filesystem::path& path, std::string why) {
 
 // Uniform noise in (−½, ½) from the pixel's index, so that smooth gradients show no bands. Values that the
 // format represents exactly are preserved.
-float dither(std::size_t pixel) {
-  return (static_cast<float>(mix64(pixel) >> 40) * 0x1p-24f - 0.5f) * 0.998f;
-}
+float dither(std::size_t pixel) { return ((mix64(pixel) >> 40) * 0x1p-24f - 0.5f) * 0.998f; }
 
 // Encoded sRGB times `top`.
 std::vector<Vec3f> encode(const Vec3f* pixels, std::size_t count, float top) {
@@ -48,7 +46,7 @@ std::vector<T> quantize(const std::vector<Vec3f>& encoded, float top, const Shif
 // 8 bits. Dithers where neighbors differ by less than a step, since only there bands can show; grain needs no
 // more noise. All channels of a pixel get the same, so gray stays gray.
 std::vector<std::uint8_t> dithered(const Vec3f* pixels, int width, int height) {
-  const auto w = static_cast<std::size_t>(width), h = static_cast<std::size_t>(height);
+  const std::size_t w = width, h = height;
   const std::vector<Vec3f> encoded = encode(pixels, w * h, 255);
   return quantize<std::uint8_t>(encoded, 255, [&](std::size_t p) {
     const auto step = [&](std::size_t q) { return (encoded[p] - encoded[q]).cwiseAbs().maxCoeff() >= 1; };
@@ -80,7 +78,8 @@ void write_image(const std::filesystem::path& path, const Image& image, int sect
   const bool linear = extension == ".exr" || extension == ".hdr";
   const bool deep = extension == ".tif" || extension == ".tiff";
   PictureEncoding encoding;
-  encoding.width = image.width, encoding.height = image.height;
+  encoding.width = image.width;
+  encoding.height = image.height;
   encoding.sample = linear ? Sample::Float : deep ? Sample::UInt16 : Sample::UInt8;
   auto& attributes = encoding.attributes;
   attributes.emplace_back("oiio:ColorSpace", linear ? "Linear" : "sRGB");

@@ -31,7 +31,7 @@ std::string json_text_in(Context& c) {
         .parameter("path");
   try {
     std::string text = read_whole(files[0], reading_of(c));
-    require_memory(static_cast<double>(text.size()) + memory_to_read_json(text), c.memory(),
+    require_memory(text.size() + memory_to_read_json(text), c.memory(),
                    "the file '" + files[0].string() + "'");
     return text;
   } catch (Error& e) {

@@ -31,9 +31,10 @@ bool is_raw(const TiffReader& in, const TiffDirectory& d) {
 
 PicturePage tiff_page(const TiffReader& in, const TiffDirectory& d, int number) {
   PicturePage page;
-  page.number = number, page.directory = d.at;
-  page.width = static_cast<int>(std::min<std::uint64_t>(in.value(d, tiff::kWidth, 0), 1u << 30));
-  page.height = static_cast<int>(std::min<std::uint64_t>(in.value(d, tiff::kHeight, 0), 1u << 30));
+  page.number = number;
+  page.directory = d.at;
+  page.width = std::min<std::uint64_t>(in.value(d, tiff::kWidth, 0), 1u << 30);
+  page.height = std::min<std::uint64_t>(in.value(d, tiff::kHeight, 0), 1u << 30);
   return page;
 }
 
@@ -45,7 +46,7 @@ void find_tiff_pages(std::string_view content, PicturePages& out) {
   out.raw = content.size() > 10 && content.substr(8, 2) == "CR";  // Canon's CR2
   for (std::size_t i = 0; i < directories.size(); ++i) {
     const TiffDirectory& d = directories[i];
-    (is_part(in, d) ? parts : out.pages).push_back(tiff_page(in, d, static_cast<int>(i)));
+    (is_part(in, d) ? parts : out.pages).push_back(tiff_page(in, d, i));
     out.raw = out.raw || is_raw(in, d);
     for (const auto& sub : sub_directories(in, d, seen)) {
       out.raw = out.raw || is_raw(in, sub);
@@ -112,7 +113,7 @@ PicturePages pages_of(std::string_view content, const std::string& format, const
     for (int i = 0; i < parts; ++i) out.pages.push_back({i});
   if (out.raw) out.pages.assign(1, {});  // a decoder of raw files finds the picture
   if (out.pages.empty()) damaged_picture("it has no pages");
-  out.slices = static_cast<int>(out.pages.size());
+  out.slices = out.pages.size();
   out.planes.resize(out.pages.size());
   std::iota(out.planes.begin(), out.planes.end(), std::size_t{0});
   if (format == "tiff" && !out.raw) apply_description(out, content, file_name);
@@ -137,8 +138,8 @@ ChosenPage choose_page(const PicturePages& p, const PageChoice& choice, const st
             choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
   }
   const int pages = p.slices * p.frames;
-  require_within(choice.page, static_cast<std::size_t>(pages), "page", path);
-  if (p.channels > 1) require_within(choice.channel, static_cast<std::size_t>(p.channels), "channel", path);
+  require_within(choice.page, pages, "page", path);
+  if (p.channels > 1) require_within(choice.channel, p.channels, "channel", path);
   const bool open_page = pages > 1 && !choice.page, open_channel = p.channels > 1 && !choice.channel;
   if (open_page || open_channel) {
     std::string hint;
@@ -149,9 +150,8 @@ ChosenPage choose_page(const PicturePages& p, const PageChoice& choice, const st
     throw several_in(open_page ? "several-pages" : "several-channels", p, path, hint);
   }
   const int plane = (choice.page.value_or(1) - 1) * p.channels;
-  if (p.channels > 1) return {p.pages[p.planes[static_cast<std::size_t>(plane + *choice.channel - 1)]], {}};
-  return {p.pages[p.planes[static_cast<std::size_t>(plane)]],
-          choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
+  if (p.channels > 1) return {p.pages[p.planes[plane + *choice.channel - 1]], {}};
+  return {p.pages[p.planes[plane]], choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
 }
 
 std::vector<ChosenPage> choose_slices(const PicturePages& p, const PageChoice& choice, bool stored,
@@ -170,15 +170,15 @@ std::vector<ChosenPage> choose_slices(const PicturePages& p, const PageChoice& c
     if (!choice.channel)
       throw several_in("several-channels", p, path,
                        fmt::format("set channel, from 1 to {}{}", p.channels, otherwise));
-    require_within(choice.channel, static_cast<std::size_t>(p.channels), "channel", path);
+    require_within(choice.channel, p.channels, "channel", path);
   }
   if (p.frames > 1 && !choice.page)
     throw several_in("several-pages", p, path,
                      fmt::format("set page to the frame to read, from 1 to {}{}", p.frames, otherwise));
-  require_within(choice.page, static_cast<std::size_t>(p.frames), "page", path);
+  require_within(choice.page, p.frames, "page", path);
   const int frame = choice.page.value_or(1) - 1, channel = p.channels > 1 ? *choice.channel - 1 : 0;
   for (int z = 0; z < p.slices; ++z)
-    out.push_back({p.pages[p.planes[static_cast<std::size_t>((frame * p.slices + z) * p.channels + channel)]],
+    out.push_back({p.pages[p.planes[(frame * p.slices + z) * p.channels + channel]],
                    p.channels > 1 ? std::nullopt : sample});
   return out;
 }

@@ -14,8 +14,7 @@ std::string read_whole(const std::filesystem::path& path, const Reading& reading
   FileText file = read_input_file(path, reading.memory);
   if (file.too_large) {
     std::error_code ignored;
-    require_memory(static_cast<double>(std::filesystem::file_size(path, ignored)), reading.memory,
-                   "'" + path.string() + "'");
+    require_memory(std::filesystem::file_size(path, ignored), reading.memory, "'" + path.string() + "'");
   }
   if (!file)
     throw Error("unreadable-file", "cannot read '" + path.string() + "': " + file.trouble,

@@ -50,7 +50,7 @@ constexpr std::uint32_t unknown_character = 0xfffd;
 std::string from_utf16(std::string_view bytes, bool big_endian) {
   const std::size_t units = bytes.size() / 2;
   const auto unit = [&](std::size_t i) -> std::uint32_t {
-    const auto a = static_cast<unsigned char>(bytes[2 * i]), b = static_cast<unsigned char>(bytes[2 * i + 1]);
+    const unsigned char a = bytes[2 * i], b = bytes[2 * i + 1];
     return big_endian ? a << 8 | b : b << 8 | a;
   };
   std::string out;
@@ -77,7 +77,7 @@ std::string from_windows_1252(std::string_view bytes) {
                                            0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0xfffd, 0x017e, 0x0178};
   std::string out;
   for (const char c : bytes) {
-    const auto byte = static_cast<unsigned char>(c);
+    const unsigned char byte = c;
     put_utf8(out, byte >= 0x80 && byte < 0xa0 ? high[byte - 0x80] : byte);
   }
   return out;
@@ -122,7 +122,7 @@ std::string as_utf8(std::string bytes, const std::string& name, const Reading& r
     if (bytes.size() % 2 != 0)
       throw Error("unreadable-file", fmt::format("'{}' is UTF-16 and ends within a character", name),
                   "the file may be truncated; save it again, as UTF-8");
-    require_memory(2.5 * static_cast<double>(bytes.size()), reading.memory, "'" + name + "'");
+    require_memory(2.5 * bytes.size(), reading.memory, "'" + name + "'");
     return from_utf16(std::string_view(bytes).substr(mark), encoding == Encoding::Utf16Big);
   }
   bytes.erase(0, mark);
@@ -130,7 +130,7 @@ std::string as_utf8(std::string bytes, const std::string& name, const Reading& r
     throw no_text(name, fmt::format("binary, with a zero byte at position {}", zero + mark),
                   "export the data as text");
   if (find_invalid_utf8(bytes) == std::string::npos) return bytes;
-  require_memory(4.0 * static_cast<double>(bytes.size()), reading.memory, "'" + name + "'");
+  require_memory(4.0 * bytes.size(), reading.memory, "'" + name + "'");
   const std::string file = std::filesystem::path(name).filename().string();
   if (has_valid_character_beyond_ascii(bytes)) {
     reading.warn("'" + file + "' is not UTF-8: invalid bytes are read as U+FFFD");

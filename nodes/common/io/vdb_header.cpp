@@ -48,7 +48,8 @@ VdbHeader read_vdb_header(std::string_view bytes) {
     throw Error("unreadable-volume",
                 fmt::format("its format version {} is older than {} (OpenVDB 2)", h.format, kOldest),
                 "convert it with a newer program");
-  h.major = in.take<std::uint32_t>(), h.minor = in.take<std::uint32_t>();
+  h.major = in.take<std::uint32_t>();
+  h.minor = in.take<std::uint32_t>();
   h.has_offsets = in.take<char>() != 0;
   in.take(36);  // the file's UUID
   h.metadata = take_vdb_metadata(in);

@@ -11,15 +11,22 @@
 namespace terrazzo {
 
 void Coverage::grow(int x0, int y0, int x1, int y1) {
-  if (!mask_.empty())
-    x0 = std::min(x0, x0_), y0 = std::min(y0, y0_), x1 = std::max(x1, x1_), y1 = std::max(y1, y1_);
+  if (!mask_.empty()) {
+    x0 = std::min(x0, x0_);
+    y0 = std::min(y0, y0_);
+    x1 = std::max(x1, x1_);
+    y1 = std::max(y1, y1_);
+  }
   if (!mask_.empty() && x0 == x0_ && y0 == y0_ && x1 == x1_ && y1 == y1_) return;
   std::vector<float> larger(static_cast<std::size_t>(x1 - x0) * (y1 - y0), 0.0f);
   for (int y = y0_; y < y1_; ++y)
     for (int x = x0_; x < x1_; ++x)
       larger[static_cast<std::size_t>(y - y0) * (x1 - x0) + (x - x0)] = at(x, y);
   mask_ = std::move(larger);
-  x0_ = x0, y0_ = y0, x1_ = x1, y1_ = y1;
+  x0_ = x0;
+  y0_ = y0;
+  x1_ = x1;
+  y1_ = y1;
 }
 
 namespace {
@@ -44,7 +51,10 @@ void Coverage::stroke(const std::vector<Vec2>& points, double pen_width) {
   const double reach = pen_width / 2 + 1;
   Vec2 lo = Vec2::Constant(1e300), hi = -lo;
   for (const Vec2& p : points)
-    if (p.allFinite()) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+    if (p.allFinite()) {
+      lo = lo.cwiseMin(p);
+      hi = hi.cwiseMax(p);
+    }
   const auto [all_x0, all_x1] = pixels_of(lo.x() - reach, hi.x() + reach, width_);
   const auto [all_y0, all_y1] = pixels_of(lo.y() - reach, hi.y() + reach, height_);
   if (lo.x() > hi.x() || all_x0 >= all_x1 || all_y0 >= all_y1) return;

@@ -24,7 +24,7 @@ constexpr std::array<std::array<int, 3>, 8> palette = {{{0, 114, 178},
 
 Vec3f from_srgb(int r, int g, int b) { return srgb_to_linear(Vec3f(r / 255.0f, g / 255.0f, b / 255.0f)); }
 Vec3f color_of(int index) {
-  const auto& c = palette[static_cast<std::size_t>(((index % 8) + 8) % 8)];
+  const auto& c = palette[((index % 8) + 8) % 8];
   return from_srgb(c[0], c[1], c[2]);
 }
 const Vec3f& text_color() {
@@ -79,7 +79,7 @@ bool bars_share_places(const Plot& plot) {
 
 void collect(const Plot& plot, std::vector<double>& xs, std::vector<double>& ys, bool& bars) {
   const double half = bar_spacing(plot) / 2;
-  if (!plot.x_words.empty()) xs = {-0.5, static_cast<double>(plot.x_words.size()) - 0.5};
+  if (!plot.x_words.empty()) xs = {-0.5, plot.x_words.size() - 0.5};
   for (const auto& s : plot.series) {
     const bool is_bars = s.kind == PlotSeries::Kind::Bars;
     bars = bars || is_bars;
@@ -115,7 +115,10 @@ double legend(Image* image, const Plot& plot, double left, double right, double 
   for (const auto& s : plot.series) {
     if (s.name.empty()) continue;
     const double width = swatch + gap + text_extent(s.name, small);
-    if (x > left && x + width > right) x = left, y += row;
+    if (x > left && x + width > right) {
+      x = left;
+      y += row;
+    }
     if (image) {
       Coverage mask(image->width, image->height);
       const double middle = y + 10;
@@ -240,7 +243,9 @@ Image draw(const Plot& plot) {
   f.x = make_axis(xs, plot.log_x, false, has_bars,
                   std::clamp(static_cast<int>((f.right - f.left) / 80), 2, 10));
   if (!plot.x_words.empty()) {
-    f.x.ticks.clear(), f.x.minor.clear(), f.x.words = plot.x_words;
+    f.x.ticks.clear();
+    f.x.minor.clear();
+    f.x.words = plot.x_words;
     for (std::size_t i = 0; i < plot.x_words.size(); ++i) f.x.ticks.push_back(static_cast<double>(i));
   }
   // Leave room for the last tick label.
@@ -275,7 +280,8 @@ Image draw(const std::vector<Plot>& plots, int columns) {
       y(rows + 1, 0);  // each column as wide as its widest plot, each row as high as its highest
   for (std::size_t i = 0; i < images.size(); ++i) {
     int &w = x[i % columns + 1], &h = y[i / columns + 1];
-    w = std::max(w, images[i].width), h = std::max(h, images[i].height);
+    w = std::max(w, images[i].width);
+    h = std::max(h, images[i].height);
   }
   for (int c = 0; c < columns; ++c) x[c + 1] += x[c];
   for (int r = 0; r < rows; ++r) y[r + 1] += y[r];

@@ -60,30 +60,47 @@ PlotAxis make_axis(const std::vector<double>& values, bool log, bool with_zero, 
   axis.log = log;
   double lo = INFINITY, hi = -INFINITY;
   for (double v : values)
-    if (std::isfinite(v) && (!log || v > 0)) lo = std::min(lo, v), hi = std::max(hi, v);
-  if (lo > hi) lo = log ? 0.1 : 0, hi = 1;
+    if (std::isfinite(v) && (!log || v > 0)) {
+      lo = std::min(lo, v);
+      hi = std::max(hi, v);
+    }
+  if (lo > hi) {
+    lo = log ? 0.1 : 0;
+    hi = 1;
+  }
   if (log) {
-    if (!(hi > lo * 1.0001)) lo /= 2, hi *= 2;
-    axis.lo = lo, axis.hi = hi;
+    if (!(hi > lo * 1.0001)) {
+      lo /= 2;
+      hi *= 2;
+    }
+    axis.lo = lo;
+    axis.hi = hi;
     if (!tight) {  // extend to the next 1, 2 or 5
       auto step = [](double v, bool up) {
         const double power = std::pow(10, std::floor(std::log10(v))), lead = v / power;
         if (up) return power * (lead <= 1.0001 ? 1 : lead <= 2.0001 ? 2 : lead <= 5.0001 ? 5 : 10);
         return power * (lead >= 5 ? 5 : lead >= 2 ? 2 : 1);
       };
-      axis.lo = step(lo, false), axis.hi = step(hi, true);
+      axis.lo = step(lo, false);
+      axis.hi = step(hi, true);
     }
     log_ticks(axis, count);
     return axis;
   }
   // Include zero if it is near; if it is far away, the differences matter more.
-  if (with_zero || (!tight && lo > 0 && lo < 0.4 * hi)) lo = std::min(lo, 0.0), hi = std::max(hi, 0.0);
+  if (with_zero || (!tight && lo > 0 && lo < 0.4 * hi)) {
+    lo = std::min(lo, 0.0);
+    hi = std::max(hi, 0.0);
+  }
   if (!(hi - lo > 1e-12 * std::max(std::abs(hi), std::abs(lo)))) {
     const double room = hi == 0 ? 1 : 0.5 * std::abs(hi);
-    if (with_zero && hi >= 0)
-      lo = 0, hi = hi == 0 ? 1 : hi;
-    else
-      lo -= room, hi += room;
+    if (with_zero && hi >= 0) {
+      lo = 0;
+      hi = hi == 0 ? 1 : hi;
+    } else {
+      lo -= room;
+      hi += room;
+    }
   }
   const double step = nice_step(hi - lo, count);
   axis.lo = tight ? lo : std::floor(lo / step + 1e-9) * step;

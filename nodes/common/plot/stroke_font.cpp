@@ -188,7 +188,7 @@ const Glyph& glyph(char32_t code_point) {
 std::vector<char32_t> code_points(const std::string& s) {
   std::vector<char32_t> out;
   for (std::size_t i = 0; i < s.size();) {
-    const auto lead = static_cast<unsigned char>(s[i]);
+    const unsigned char lead = s[i];
     const int more = lead < 0x80 ? 0 : lead >> 5 == 6 ? 1 : lead >> 4 == 14 ? 2 : lead >> 3 == 30 ? 3 : -1;
     char32_t c = more < 0 ? 0xFFFD : more == 0 ? lead : lead & (0x3F >> more);
     std::size_t used = 1;

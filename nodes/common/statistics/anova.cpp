@@ -53,7 +53,8 @@ void complete(AnovaEffect& e, double scale) {
     e.p = f_tail(e.f, e.freedom, e.error_freedom);
     e.corrected_p = f_tail(e.f, e.epsilon * e.freedom, e.epsilon * e.error_freedom);
   } else if (e.squares > 0) {
-    e.f = std::numeric_limits<double>::infinity(), e.p = e.corrected_p = 0;
+    e.f = std::numeric_limits<double>::infinity();
+    e.p = e.corrected_p = 0;
   } else {
     e.f = e.p = e.corrected_p = nan;
   }
@@ -81,13 +82,16 @@ Model fit(const Eigen::MatrixXd& x, const Eigen::VectorXd& y) {
 // Adds groups of columns to a model of the cells, one after the other; each is an effect.
 std::vector<AnovaEffect> sequential(const std::vector<AnovaCell>& cells,
                                     const std::vector<std::pair<std::string, Eigen::MatrixXd>>& groups) {
-  const auto rows = static_cast<Eigen::Index>(cells.size());
+  const Eigen::Index rows = cells.size();
   Eigen::VectorXd weight(rows), y(rows);
   double n = 0, within = 0, scale = 0;
   for (Eigen::Index i = 0; i < rows; ++i) {
-    const AnovaCell& c = cells[static_cast<std::size_t>(i)];
-    weight(i) = std::sqrt(c.n), y(i) = weight(i) * c.mean;
-    n += c.n, within += c.squares, scale += c.n * c.mean * c.mean + c.squares;
+    const AnovaCell& c = cells[i];
+    weight(i) = std::sqrt(c.n);
+    y(i) = weight(i) * c.mean;
+    n += c.n;
+    within += c.squares;
+    scale += c.n * c.mean * c.mean + c.squares;
   }
   Eigen::MatrixXd x = weight;
   Model before = fit(x, y);
@@ -99,14 +103,17 @@ std::vector<AnovaEffect> sequential(const std::vector<AnovaCell>& cells,
     if (now.rank > before.rank) {
       AnovaEffect e;
       e.name = name;
-      e.squares = std::max(0.0, before.squares - now.squares), e.freedom = now.rank - before.rank;
+      e.squares = std::max(0.0, before.squares - now.squares);
+      e.freedom = now.rank - before.rank;
       out.push_back(std::move(e));
     }
-    x = std::move(wider), before = now;
+    x = std::move(wider);
+    before = now;
   }
   const double freedom = std::max(0.0, n - before.rank);
   for (auto& e : out) {
-    e.error_squares = before.squares + within, e.error_freedom = freedom;
+    e.error_squares = before.squares + within;
+    e.error_freedom = freedom;
     complete(e, scale);
   }
   return out;
@@ -151,7 +158,8 @@ std::vector<AnovaCell> anova_cells(const std::vector<double>& value, const std::
   std::map<std::pair<std::string, std::string>, AnovaCell> cells;
   for (std::size_t i = 0; i < value.size(); ++i) {
     AnovaCell& c = cells[{a[i], b[i]}];
-    c.a = a[i], c.b = b[i];
+    c.a = a[i];
+    c.b = b[i];
     // Welford's update.
     const double off = value[i] - c.mean;
     c.mean += off / ++c.n;
@@ -163,7 +171,7 @@ std::vector<AnovaCell> anova_cells(const std::vector<double>& value, const std::
 }
 
 std::vector<AnovaEffect> two_way_anova(const std::vector<AnovaCell>& cells, const AnovaFactors& factors) {
-  const auto n = static_cast<Eigen::Index>(cells.size());
+  const Eigen::Index n = cells.size();
   return sequential(cells, {{factors[0], dummies(cells, &AnovaCell::a)},
                             {factors[1], dummies(cells, &AnovaCell::b)},
                             {factors[0] + " × " + factors[1], Eigen::MatrixXd::Identity(n, n)}});
@@ -175,7 +183,7 @@ std::vector<AnovaEffect> one_way_anova(const std::vector<AnovaCell>& cells, cons
 
 std::vector<AnovaEffect> repeated_anova(const Eigen::MatrixXd& values, int levels_a, int levels_b,
                                         const AnovaFactors& factors) {
-  const auto people = static_cast<double>(values.rows());
+  const double people = values.rows();
   const Eigen::MatrixXd mean_a = Eigen::MatrixXd::Constant(levels_a, 1, 1 / std::sqrt(levels_a)),
                         mean_b = Eigen::MatrixXd::Constant(levels_b, 1, 1 / std::sqrt(levels_b));
   const std::vector<std::pair<std::string, Eigen::MatrixXd>> effects{
@@ -191,8 +199,10 @@ std::vector<AnovaEffect> repeated_anova(const Eigen::MatrixXd& values, int level
     const Eigen::MatrixXd covariance = off.transpose() * off;  // times people − 1
     AnovaEffect e;
     e.name = name;
-    e.freedom = static_cast<double>(contrast.cols()), e.error_freedom = e.freedom * (people - 1);
-    e.squares = people * mean.squaredNorm(), e.error_squares = off.squaredNorm();
+    e.freedom = contrast.cols();
+    e.error_freedom = e.freedom * (people - 1);
+    e.squares = people * mean.squaredNorm();
+    e.error_squares = off.squaredNorm();
     const double trace = covariance.trace();
     if (trace > 0) e.epsilon = std::min(1.0, trace * trace / (e.freedom * covariance.squaredNorm()));
     complete(e, values.squaredNorm());

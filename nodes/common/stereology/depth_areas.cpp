@@ -25,20 +25,20 @@ const std::vector<AreaRange>& DepthSweep::sweep(const Vec3& direction) {
   order_.set(direction);
   std::fill(difference_.begin(), difference_.end(), Quadratic{});
   for (std::size_t k = 0; k < ranges_.size(); ++k)
-    ranges_[k] = {
-        order_.height(static_cast<std::int32_t>(k) + 1) - order_.height(static_cast<std::int32_t>(k)), 0, 0,
-        0};
+    ranges_[k] = {order_.height(static_cast<std::int32_t>(k) + 1) - order_.height(k), 0, 0, 0};
 
   const auto add = [&](const Chord& chord, std::int32_t from, std::int32_t to) {
     if (!chord.valid()) return;
     if (order_.height(to) - order_.height(from) > flat_) {
       const Quadratic q = chord.area();
-      difference_[from] += q, difference_[to] -= q;
+      difference_[from] += q;
+      difference_[to] -= q;
       return;
     }
     for (std::int32_t k = from; k < to; ++k) {
       const double z0 = order_.height(k), z1 = order_.height(k + 1);
-      ranges_[k].low += chord.area(z0), ranges_[k].high += chord.area(z1);
+      ranges_[k].low += chord.area(z0);
+      ranges_[k].high += chord.area(z1);
       ranges_[k].middle += chord.area((z0 + z1) / 2);
     }
   };
@@ -51,7 +51,7 @@ const std::vector<AreaRange>& DepthSweep::sweep(const Vec3& direction) {
   Quadratic sum;
   for (std::size_t k = 0; k < ranges_.size(); ++k) {
     sum += difference_[k];
-    const double z0 = order_.height(static_cast<std::int32_t>(k)), z1 = z0 + ranges_[k].thickness;
+    const double z0 = order_.height(k), z1 = z0 + ranges_[k].thickness;
     ranges_[k].low = std::max(0.0, ranges_[k].low + sum(z0));
     ranges_[k].middle = std::max(0.0, ranges_[k].middle + sum((z0 + z1) / 2));
     ranges_[k].high = std::max(0.0, ranges_[k].high + sum(z1));

@@ -16,8 +16,7 @@ using Points = std::vector<Vec2>;
 
 // Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
 Points blurred(const Points& p, double sigma_points) {
-  const int n = static_cast<int>(p.size()),
-            reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma_points)));
+  const int n = p.size(), reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma_points)));
   std::vector<double> weight(static_cast<std::size_t>(reach) + 1);
   double sum = 0;
   for (int k = 0; k <= reach; ++k) {
@@ -60,9 +59,12 @@ Moments moments_of(const Points& p) {
   if (!(m.area > 0)) return m;
   const Vec2 c = first / m.area;
   m.center = o + c;
-  xx = xx / m.area - c.x() * c.x(), yy = yy / m.area - c.y() * c.y(), xy = xy / m.area - c.x() * c.y();
+  xx = xx / m.area - c.x() * c.x();
+  yy = yy / m.area - c.y() * c.y();
+  xy = xy / m.area - c.x() * c.y();
   const double middle = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
-  m.longer = middle + spread, m.shorter = std::max(0.0, middle - spread);
+  m.longer = middle + spread;
+  m.shorter = std::max(0.0, middle - spread);
   return m;
 }
 
@@ -78,9 +80,13 @@ double symmetry_of(const Points& p) {
   double square = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2 q = p[i * p.size() / n] - mean;
-    x[i] = q.x(), y[i] = q.y();
+    x[i] = q.x();
+    y[i] = q.y();
     square += q.squaredNorm();
-    for (const std::size_t k : {n - i, (2 * n - i) % (2 * n)}) back_x[k] = q.x(), back_y[k] = q.y();
+    for (const std::size_t k : {n - i, (2 * n - i) % (2 * n)}) {
+      back_x[k] = q.x();
+      back_y[k] = q.y();
+    }
   }
   double best = 0;
   for (std::size_t s = 0; s < n; ++s) {
@@ -101,7 +107,9 @@ double anisotropy_of(const Points& p) {
     const Vec2 d = p[(i + 1) % p.size()] - p[i];
     const double l = d.norm();
     if (l == 0) continue;
-    xx += d.x() * d.x() / l, yy += d.y() * d.y() / l, xy += d.x() * d.y() / l;
+    xx += d.x() * d.x() / l;
+    yy += d.y() * d.y() / l;
+    xy += d.x() * d.y() / l;
     length += l;
   }
   return length > 0 ? 2 * std::hypot((xx - yy) / 2, xy) / length : 0;
@@ -117,9 +125,7 @@ double order_of_turn(const Vec2& before, const Vec2& after) {
 std::size_t arms_of(std::size_t points) { return std::max<std::size_t>(1, points / 32); }
 
 // A circle turns by 2π·arms/n.
-double per_circle(std::size_t points, std::size_t arms) {
-  return static_cast<double>(points) / (2 * pi * static_cast<double>(arms));
-}
+double per_circle(std::size_t points, std::size_t arms) { return points / (2 * pi * arms); }
 
 // Turning angle of the outline over `arms` steps on either side of each point.
 std::vector<double> turns_over(const Points& p, std::size_t arms) {
@@ -138,9 +144,9 @@ void set_curvature(OutlineFeatures& f, const Points& p) {
   const auto after = [&](std::size_t i) -> Vec2 { return p[i + arms < n ? i + arms : i + arms - n] - p[i]; };
   for (std::size_t i = 0; i < n; ++i) order[i] = {order_of_turn(before(i), after(i)), i};
   const auto set = [&](OutlineFeature feature, double q) {
-    const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(n - 1) + 0.5);
+    const auto k = static_cast<std::ptrdiff_t>(q * (n - 1) + 0.5);
     std::nth_element(order.begin(), order.begin() + k, order.end());
-    const std::size_t i = order[static_cast<std::size_t>(k)].second;
+    const std::size_t i = order[k].second;
     f.values[static_cast<std::size_t>(feature)] = turn_between(before(i), after(i)) * per_circle(n, arms);
   };
   set(OutlineFeature::CurvatureLow, 0.1);
@@ -157,7 +163,7 @@ void add_corners(OutlineFeatures& f, const Points& p, const std::vector<double>&
     within[i] = sum;
     sum += turns[(i + arc) % n] - turns[i];
   }
-  const double share = static_cast<double>(n) / 24 / static_cast<double>(arc);  // arcs are whole steps
+  const double share = static_cast<double>(n) / 24 / arc;  // arcs are whole steps
   double most = 0;
   int corners = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -202,7 +208,7 @@ std::vector<Vec2> resampled_loop(const Loop& loop, int points) {
     const double s = at[n] * k / points;
     while (i + 1 < n && at[i + 1] <= s) ++i;
     const double step = at[i + 1] - at[i], t = step > 0 ? (s - at[i]) / step : 0;
-    out[static_cast<std::size_t>(k)] = (1 - t) * loop[i] + t * loop[(i + 1) % n];
+    out[k] = (1 - t) * loop[i] + t * loop[(i + 1) % n];
   }
   return out;
 }

@@ -35,7 +35,8 @@ ProfileSweep::ProfileSweep(const Mesh& mesh)
     if (i == 0 || sides[i].low != sides[i - 1].low || sides[i].high != sides[i - 1].high) ++edge;
     sides_[sides[i].triangle][sides[i].side] = edge;
   }
-  parts_ = DisjointSets(static_cast<std::size_t>(edge) + 1), loop_of_edge_.resize(edge + 1);
+  parts_ = DisjointSets(static_cast<std::size_t>(edge) + 1);
+  loop_of_edge_.resize(edge + 1);
   times_middle_.resize(mesh.vertices.size());
 }
 
@@ -51,8 +52,7 @@ void ProfileSweep::start(const Vec3& direction) {
   }
   for (std::size_t b = 1; b < bucket_.size(); ++b) bucket_[b] += bucket_[b - 1];
   by_low_.resize(ranked_.size());
-  for (std::size_t t = 0; t < ranked_.size(); ++t)
-    by_low_[bucket_[order_.rank(ranked_[t].low)]++] = static_cast<std::int32_t>(t);
+  for (std::size_t t = 0; t < ranked_.size(); ++t) by_low_[bucket_[order_.rank(ranked_[t].low)]++] = t;
   next_ = 0;
   active_.clear(), ranges_.clear();
 }
@@ -97,7 +97,9 @@ void ProfileSweep::add_slab(std::int32_t bottom, std::int32_t top) {
       for (std::int32_t k = 0; k < count; ++k) {
         const AreaRange& hole = areas_[l * count + k];
         AreaRange& outer = areas_[static_cast<std::size_t>(loops_[l].owner) * count + k];
-        outer.low += hole.low, outer.middle += hole.middle, outer.high += hole.high;
+        outer.low += hole.low;
+        outer.middle += hole.middle;
+        outer.high += hole.high;
       }
     }
   }
@@ -106,7 +108,9 @@ void ProfileSweep::add_slab(std::int32_t bottom, std::int32_t top) {
     for (std::int32_t k = 0; k < count; ++k) {
       AreaRange a = areas_[l * count + k];
       if (!(a.thickness > 0)) continue;
-      a.low = std::max(0.0, a.low), a.middle = std::max(0.0, a.middle), a.high = std::max(0.0, a.high);
+      a.low = std::max(0.0, a.low);
+      a.middle = std::max(0.0, a.middle);
+      a.high = std::max(0.0, a.high);
       ranges_.push_back({a, loops_[l].holes});
     }
   }
@@ -119,7 +123,10 @@ void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
     return std::min(ra, rb) < top && std::max(ra, rb) > bottom;
   };
   for (std::int32_t t : active_)
-    for (std::int32_t e : sides_[t]) parts_.reset(e), loop_of_edge_[e] = -1;
+    for (std::int32_t e : sides_[t]) {
+      parts_.reset(e);
+      loop_of_edge_[e] = -1;
+    }
   for (std::int32_t t : active_) {
     std::int32_t first = -1;
     for (int k = 0; k < 3; ++k) {
@@ -139,7 +146,7 @@ void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
     while (!passes(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3])) ++k;
     const std::int32_t r = parts_.find(sides_[t][k]);
     if (loop_of_edge_[r] < 0) {
-      loop_of_edge_[r] = static_cast<std::int32_t>(loops_.size());
+      loop_of_edge_[r] = loops_.size();
       loops_.emplace_back();
     }
     loop_of_active_[i] = loop_of_edge_[r];
@@ -147,7 +154,7 @@ void ProfileSweep::find_loops(std::int32_t bottom, std::int32_t top) {
 }
 
 void ProfileSweep::add_areas(std::int32_t bottom, std::int32_t top) {
-  const std::size_t count = static_cast<std::size_t>(top - bottom);
+  const std::size_t count = top - bottom;
   difference_.assign(loops_.size() * (count + 1), {});
   areas_.assign(loops_.size() * count, {0, 0, 0, 0});
   for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -155,18 +162,22 @@ void ProfileSweep::add_areas(std::int32_t bottom, std::int32_t top) {
     const auto add = [&](const Chord& chord, std::int32_t from, std::int32_t to) {
       if (!chord.valid()) return;
       const bool is_flat = order_.height(to) - order_.height(from) <= flat_;
-      from = std::max(from, bottom) - bottom, to = std::min(to, top) - bottom;
+      from = std::max(from, bottom) - bottom;
+      to = std::min(to, top) - bottom;
       if (from >= to) return;
-      const std::size_t row = static_cast<std::size_t>(loop_of_active_[i]);
+      const std::size_t row = loop_of_active_[i];
       if (!is_flat) {
         const Quadratic q = chord.area();
-        difference_[row * (count + 1) + from] += q, difference_[row * (count + 1) + to] -= q;
+        difference_[row * (count + 1) + from] += q;
+        difference_[row * (count + 1) + to] -= q;
         return;
       }
       for (std::int32_t k = from; k < to; ++k) {
         const double z0 = order_.height(bottom + k), z1 = order_.height(bottom + k + 1);
         AreaRange& a = areas_[row * count + k];
-        a.low += chord.area(z0), a.middle += chord.area((z0 + z1) / 2), a.high += chord.area(z1);
+        a.low += chord.area(z0);
+        a.middle += chord.area((z0 + z1) / 2);
+        a.high += chord.area(z1);
       }
     };
     add(r.lower(order_), order_.rank(r.low), order_.rank(r.middle));
@@ -180,7 +191,9 @@ void ProfileSweep::add_areas(std::int32_t bottom, std::int32_t top) {
       const double z1 = order_.height(bottom + static_cast<std::int32_t>(k) + 1);
       AreaRange& a = areas_[l * count + k];
       a.thickness = z1 - z0;
-      a.low += sum(z0), a.middle += sum((z0 + z1) / 2), a.high += sum(z1);
+      a.low += sum(z0);
+      a.middle += sum((z0 + z1) / 2);
+      a.high += sum(z1);
     }
   }
 }
@@ -214,7 +227,7 @@ void ProfileSweep::find_owners(double z) {
     for (std::size_t o = 0; o < loops_.size(); ++o)
       if (odd[o] && loops_[o].area > 0 &&
           (loops_[l].owner < 0 || loops_[o].area < loops_[loops_[l].owner].area))
-        loops_[l].owner = static_cast<std::int32_t>(o);
+        loops_[l].owner = o;
   }
 }
 

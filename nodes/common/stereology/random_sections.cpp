@@ -16,8 +16,8 @@ constexpr int kMostTries = 100000;
 
 std::size_t pick(const std::vector<double>& cumulative, double u) {
   const auto at = std::upper_bound(cumulative.begin(), cumulative.end(), u * cumulative.back());
-  return static_cast<std::size_t>(
-      std::min<std::ptrdiff_t>(at - cumulative.begin(), static_cast<std::ptrdiff_t>(cumulative.size()) - 1));
+  return std::min<std::ptrdiff_t>(at - cumulative.begin(),
+                                  static_cast<std::ptrdiff_t>(cumulative.size()) - 1);
 }
 
 }  // namespace

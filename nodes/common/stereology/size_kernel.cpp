@@ -12,8 +12,8 @@ struct Piece {
 };
 
 Piece piece(const std::vector<double>& cdf, std::size_t b) {
-  const auto n = static_cast<double>(cdf.size());
-  const double s0 = static_cast<double>(b) / n, s1 = static_cast<double>(b + 1) / n;
+  const double n = cdf.size();
+  const double s0 = b / n, s1 = (b + 1) / n;
   const double w0 = std::sqrt(1 - s0 * s0), w1 = b + 1 == cdf.size() ? 0 : std::sqrt(1 - s1 * s1);
   const double f0 = b > 0 ? cdf[b - 1] : 0, f1 = cdf[b];
   const double beta = (f1 - f0) / (w1 - w0);
@@ -31,7 +31,7 @@ double root_integral(double sigma, double x) {
 double cdf_at(const std::vector<double>& cdf, double s) {
   if (s <= 0 || cdf.empty()) return 0;
   if (s >= 1) return cdf.back();
-  const auto b = std::min(static_cast<std::size_t>(s * static_cast<double>(cdf.size())), cdf.size() - 1);
+  const auto b = std::min(static_cast<std::size_t>(s * cdf.size()), cdf.size() - 1);
   const Piece p = piece(cdf, b);
   return p.alpha + p.beta * std::sqrt(1 - s * s);
 }
@@ -43,13 +43,13 @@ double mean_scaled_cdf(const std::vector<double>& cdf, double x, double lo, doub
   // σ ≤ x: every profile is smaller than x.
   if (lo < x) sum += cdf.back() * (std::min(hi, x) * std::min(hi, x) - lo * lo) / 2;
   // For larger σ, x/σ decreases through the knots.
-  const auto n = static_cast<double>(cdf.size());
+  const double n = cdf.size();
   double from = std::max(lo, x);
   const auto last = static_cast<std::ptrdiff_t>(cdf.size()) - 1;
   for (auto b = std::min(static_cast<std::ptrdiff_t>(x / from * n), last); from < hi; --b) {
-    const double to = b > 0 ? std::min(hi, x * n / static_cast<double>(b)) : hi;
+    const double to = b > 0 ? std::min(hi, x * n / b) : hi;
     if (to <= from) continue;  // `from` is at a knot
-    const Piece p = piece(cdf, static_cast<std::size_t>(b));
+    const Piece p = piece(cdf, b);
     sum += p.alpha * (to * to - from * from) / 2 + p.beta * (root_integral(to, x) - root_integral(from, x));
     from = to;
   }
@@ -58,10 +58,10 @@ double mean_scaled_cdf(const std::vector<double>& cdf, double x, double lo, doub
 
 double mean_relative_area(const std::vector<double>& cdf) {
   double sum = 0;
-  const auto n = static_cast<double>(cdf.size());
+  const double n = cdf.size();
   for (std::size_t b = 0; b < cdf.size(); ++b) {
     // dF = −beta·s/w ds; ∫ s² dF with w = √(1 − s²): −beta·∫ (1 − w²) (−dw) = beta·[w − w³/3]
-    const double s0 = static_cast<double>(b) / n, s1 = static_cast<double>(b + 1) / n;
+    const double s0 = b / n, s1 = (b + 1) / n;
     const double w0 = std::sqrt(1 - s0 * s0), w1 = b + 1 == cdf.size() ? 0 : std::sqrt(1 - s1 * s1);
     sum += piece(cdf, b).beta * ((w1 - w1 * w1 * w1 / 3) - (w0 - w0 * w0 * w0 / 3));
   }

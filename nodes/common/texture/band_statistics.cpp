@@ -16,22 +16,28 @@ void make_periodic(std::vector<LaneComplex>& spectrum, const std::vector<LaneCom
   const int w = fft.width(), h = fft.height();
   const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * w + x; };
   std::vector<LaneComplex> jumps(fft.count());
-  for (auto& j : jumps) j.re = Lane{}, j.im = Lane{};
+  for (auto& j : jumps) {
+    j.re = Lane{};
+    j.im = Lane{};
+  }
   for (int x = 0; x < w; ++x) {
     const Lane d = picture[at(x, h - 1)].re - picture[at(x, 0)].re;
-    jumps[at(x, 0)].re += d, jumps[at(x, h - 1)].re -= d;
+    jumps[at(x, 0)].re += d;
+    jumps[at(x, h - 1)].re -= d;
   }
   for (int y = 0; y < h; ++y) {
     const Lane d = picture[at(w - 1, y)].re - picture[at(0, y)].re;
-    jumps[at(0, y)].re += d, jumps[at(w - 1, y)].re -= d;
+    jumps[at(0, y)].re += d;
+    jumps[at(w - 1, y)].re -= d;
   }
   fft.run(jumps.data(), false, scratch);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       if (x == 0 && y == 0) continue;
-      const float k = static_cast<float>(
-          1 / (2 * std::cos(2 * std::numbers::pi * x / w) + 2 * std::cos(2 * std::numbers::pi * y / h) - 4));
-      spectrum[at(x, y)].re -= jumps[at(x, y)].re * k, spectrum[at(x, y)].im -= jumps[at(x, y)].im * k;
+      const float k =
+          1 / (2 * std::cos(2 * std::numbers::pi * x / w) + 2 * std::cos(2 * std::numbers::pi * y / h) - 4);
+      spectrum[at(x, y)].re -= jumps[at(x, y)].re * k;
+      spectrum[at(x, y)].im -= jumps[at(x, y)].im * k;
     }
 }
 
@@ -53,14 +59,15 @@ BandStatistics measure_bands(const Image& image, int channels, int scales, const
   work.part(0, 0.3).parallel(sections, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<LaneComplex> scratch;
     for (std::size_t s = begin; s < end; ++s) {
-      const int section = static_cast<int>(s * image.sections / sections);
+      const int section = s * image.sections / sections;
       auto& picture = pictures[s];
       picture.resize(fft.count());
       for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
           const Vec3f& v = image.at(x0 + x, y0 + y, section);
           auto& p = picture[static_cast<std::size_t>(y) * w + x];
-          p.re = Lane{v[0], v[1], v[2], 0}, p.im = Lane{};
+          p.re = Lane{v[0], v[1], v[2], 0};
+          p.im = Lane{};
         }
       spectra[s] = picture;
       fft.run(spectra[s].data(), false, scratch);
@@ -83,7 +90,7 @@ BandStatistics measure_bands(const Image& image, int channels, int scales, const
         const double re = spectrum[i].re[c], im = spectrum[i].im[c];
         square += re * re + im * im;
       }
-    out.deviation.push_back(std::sqrt(square / sections) / static_cast<double>(fft.count()));
+    out.deviation.push_back(std::sqrt(square / sections) / fft.count());
   }
   out.bands.assign(channels, std::vector<Quantiles>(bands.size()));
   work.part(0.3, 1).parallel(bands.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -55,9 +55,9 @@ LevelField enlarged(const LevelField& from, const Vec3i& size, bool periodic, st
         Vec3i at;
         for (int a = 0; a < 3; ++a) {
           const std::int64_t scaled = static_cast<std::int64_t>(here[a]) * from.size[a];
-          at[a] = static_cast<int>(scaled / size[a]);
-          const auto over = static_cast<std::uint64_t>(scaled % size[a]);
-          if (over == 0 || random.below(static_cast<std::uint64_t>(size[a])) >= over) continue;
+          at[a] = scaled / size[a];
+          const std::uint64_t over = scaled % size[a];
+          if (over == 0 || random.below(size[a]) >= over) continue;
           at[a] = at[a] + 1 < from.size[a] ? at[a] + 1 : periodic ? 0 : at[a];
         }
         out.at[i] = from.at[from.index(at.x(), at.y(), at.z())];
@@ -86,8 +86,7 @@ DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i&
   DescentResult out;
   for (const Resolution& r : all) {
     LevelField start = &r == &all.front() ? level_noise(source, s.levels, r.size, s.seed)
-                                          : enlarged(out.field, r.size, s.periodic,
-                                                     s.seed + static_cast<std::uint64_t>(r.stride));
+                                          : enlarged(out.field, r.size, s.periodic, s.seed + r.stride);
     LevelDescent descent(start, s.levels, s.periodic, r.targets);
     out.sweeps.push_back({r.stride, 0, descent.error(), 0});
     if (r.stride == 1)
@@ -98,8 +97,7 @@ DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i&
     const double share = r.size.cast<double>().prod() / pixels;
     for (int k = 0; k < s.sweeps; ++k) {
       const Work part = work.part(done + share * k / s.sweeps, done + share * (k + 1) / s.sweeps);
-      const std::uint64_t order =
-          mix64(s.seed) + static_cast<std::uint64_t>(k) + 1000003 * static_cast<std::uint64_t>(r.stride - 1);
+      const std::uint64_t order = mix64(s.seed) + k + 1000003 * static_cast<std::uint64_t>(r.stride - 1);
       const std::size_t changed = descent.sweep(order, part);
       out.sweeps.push_back({r.stride, k + 1, descent.error(), changed});
       if (changed == 0) break;

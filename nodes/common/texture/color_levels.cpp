@@ -20,8 +20,10 @@ int ColorLevels::nearest(const Vec3f& p, float* distance2) const {
   int best = 0;
   float least = (p - center[0]).squaredNorm();
   for (int k = 1; k < count(); ++k)
-    if (const float d = (p - center[static_cast<std::size_t>(k)]).squaredNorm(); d < least)
-      least = d, best = k;
+    if (const float d = (p - center[k]).squaredNorm(); d < least) {
+      least = d;
+      best = k;
+    }
   if (distance2) *distance2 = least;
   return best;
 }
@@ -65,11 +67,10 @@ LevelField levels_of(const Image& image, int section, const ColorLevels& levels,
                      const std::vector<std::uint8_t>& mask, const Work& work) {
   LevelField out(Vec3i(image.width, image.height, 1), kNoLevel);
   const std::size_t first = image.index(0, 0, section);
-  work.parallel(static_cast<std::size_t>(image.height), 32, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin * static_cast<std::size_t>(image.width);
-         i < end * static_cast<std::size_t>(image.width); ++i)
+  work.parallel(image.height, 32, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * image.width; i < end * image.width; ++i)
       if (mask.empty() || mask[first + i])
-        out.at[i] = static_cast<std::uint8_t>(levels.nearest(levels.position(image.pixels[first + i])));
+        out.at[i] = levels.nearest(levels.position(image.pixels[first + i]));
   });
   return out;
 }

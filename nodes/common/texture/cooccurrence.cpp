@@ -35,8 +35,9 @@ Vec3i offset_across(int axis, const Vec3i& p) {
 Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std::vector<Vec3i>& offsets,
                                   bool periodic, const Work& work) {
   Cooccurrence out;
-  out.levels = levels, out.offsets = offsets;
-  const auto table = static_cast<std::size_t>(levels) * static_cast<std::size_t>(levels);
+  out.levels = levels;
+  out.offsets = offsets;
+  const auto table = static_cast<std::size_t>(levels) * levels;
   out.counts.assign(offsets.size() * table, 0);
   out.pairs.assign(offsets.size(), 0);
   const Vec3i n = field.size;
@@ -51,9 +52,10 @@ Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std
         for (int y = 0; y < n.y(); ++y) {
           if (y % 256 == 0) work.check();
           int ry = y + o.y(), rz = z + o.z();
-          if (periodic)
-            ry = wrap_index(ry, n.y()), rz = wrap_index(rz, n.z());
-          else if (ry < 0 || ry >= n.y() || rz < 0 || rz >= n.z())
+          if (periodic) {
+            ry = wrap_index(ry, n.y());
+            rz = wrap_index(rz, n.z());
+          } else if (ry < 0 || ry >= n.y() || rz < 0 || rz >= n.z())
             continue;
           const std::uint8_t* home = &field.at[field.index(0, y, z)];
           const std::uint8_t* remote = &field.at[field.index(0, ry, rz)];
@@ -64,7 +66,7 @@ Cooccurrence measure_cooccurrence(const LevelField& field, int levels, const std
               rx = wrap_index(rx, n.x());
             }
             if (home[x] < levels && remote[rx] < levels)
-              ++counts[static_cast<std::size_t>(home[x]) * static_cast<std::size_t>(levels) + remote[rx]];
+              ++counts[static_cast<std::size_t>(home[x]) * levels + remote[rx]];
           }
         }
       for (std::size_t i = 0; i < table; ++i) out.pairs[d] += counts[i];
@@ -89,7 +91,7 @@ Cooccurrence measure_cooccurrence(const std::vector<LevelField>& sections, int l
 }
 
 std::vector<std::int32_t> scaled_counts(const Cooccurrence& c, std::size_t offset, std::int64_t pairs) {
-  const auto table = static_cast<std::size_t>(c.levels) * static_cast<std::size_t>(c.levels);
+  const auto table = static_cast<std::size_t>(c.levels) * c.levels;
   const std::int64_t have = c.pairs[offset];
   if (have <= 0)
     throw Error("no-pairs",
@@ -101,7 +103,7 @@ std::vector<std::int32_t> scaled_counts(const Cooccurrence& c, std::size_t offse
   std::int64_t sum = 0;
   for (std::size_t i = 0; i < table; ++i) {
     const std::int64_t product = c.counts[offset * table + i] * pairs;  // below 2⁶²
-    out[i] = static_cast<std::int32_t>(product / have);
+    out[i] = product / have;
     rest[i] = {-(product % have), i};
     sum += out[i];
   }
@@ -112,11 +114,11 @@ std::vector<std::int32_t> scaled_counts(const Cooccurrence& c, std::size_t offse
 }
 
 double cooccurrence_error(const Cooccurrence& a, const Cooccurrence& b) {
-  const auto table = static_cast<std::size_t>(a.levels) * static_cast<std::size_t>(a.levels);
+  const auto table = static_cast<std::size_t>(a.levels) * a.levels;
   double sum = 0;
   for (std::size_t d = 0; d < a.offsets.size(); ++d) {
     if (a.pairs[d] == 0 || b.pairs[d] == 0) continue;
-    const double ka = 1.0 / static_cast<double>(a.pairs[d]), kb = 1.0 / static_cast<double>(b.pairs[d]);
+    const double ka = 1.0 / a.pairs[d], kb = 1.0 / b.pairs[d];
     for (std::size_t i = d * table; i < (d + 1) * table; ++i) {
       const double e = a.counts[i] * ka - b.counts[i] * kb;
       sum += e * e;

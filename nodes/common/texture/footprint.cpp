@@ -19,8 +19,7 @@ std::vector<std::uint32_t> capsule(int width, int height, const Vec2& from, cons
       const Vec2 p(x + 0.5, y + 0.5);
       const double t = length2 > 0 ? std::clamp((p - from).dot(along) / length2, 0.0, 1.0) : 0.0;
       if ((p - from - t * along).squaredNorm() <= radius * radius)
-        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
-                      static_cast<std::uint32_t>(x));
+        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + x);
     }
   return out;
 }
@@ -44,8 +43,7 @@ std::vector<std::uint32_t> surrounded(int width, int height, const std::vector<s
                 x1 = static_cast<int>(
                     std::clamp(std::ceil(crossings[i + 1] - 0.5), 0.0, static_cast<double>(width)));
       for (int x = x0; x < x1; ++x)
-        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) +
-                      static_cast<std::uint32_t>(x));
+        out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + x);
     }
   }
   return out;

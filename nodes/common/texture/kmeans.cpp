@@ -54,8 +54,10 @@ double lloyd(const std::vector<Vec3>& points, const std::vector<double>& weights
     if (!changed) break;
     std::vector<Vec3> sum(means.size(), Vec3::Zero());
     std::vector<double> mass(means.size(), 0);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      sum[of[i]] += weights[i] * points[i], mass[of[i]] += weights[i];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      sum[of[i]] += weights[i] * points[i];
+      mass[of[i]] += weights[i];
+    }
     for (std::size_t c = 0; c < means.size(); ++c)
       if (mass[c] > 0) means[c] = sum[c] / mass[c];
   }
@@ -73,7 +75,10 @@ double silhouette(const std::vector<Vec3>& points, const ColorClusters& clusters
   for (const auto i : sample) {
     std::vector<double> sum(clusters.k, 0), count(clusters.k, 0);
     for (const auto j : sample)
-      if (j != i) sum[clusters.of[j]] += (points[i] - points[j]).norm(), ++count[clusters.of[j]];
+      if (j != i) {
+        sum[clusters.of[j]] += (points[i] - points[j]).norm();
+        ++count[clusters.of[j]];
+      }
     const int own = clusters.of[i];
     if (count[own] == 0) continue;  // alone in its cluster: 0 by definition
     double other = std::numeric_limits<double>::max();
@@ -83,7 +88,7 @@ double silhouette(const std::vector<Vec3>& points, const ColorClusters& clusters
     if (other < std::numeric_limits<double>::max() && std::max(a, other) > 0)
       total += (other - a) / std::max(a, other);
   }
-  return total / static_cast<double>(sample.size());
+  return total / sample.size();
 }
 
 }  // namespace
@@ -97,17 +102,24 @@ ColorClusters kmeans(const std::vector<Vec3>& points, const std::vector<double>&
     std::vector<Vec3> means = plus_plus(points, weights, k, Random(seed, 0x6b6d, start));
     std::vector<int> of;
     const double cost = lloyd(points, weights, means, of);
-    if (cost < best_cost) best_cost = cost, best.mean = std::move(means), best.of = std::move(of);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best.mean = std::move(means);
+      best.of = std::move(of);
+    }
   }
   // Sort clusters by decreasing weight, so that the numbering does not depend on the winning start.
-  best.k = static_cast<int>(best.mean.size());
+  best.k = best.mean.size();
   std::vector<double> mass(best.k, 0);
   for (std::size_t i = 0; i < points.size(); ++i) mass[best.of[i]] += weights[i];
   std::vector<int> order(best.k), rank(best.k);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return mass[a] > mass[b]; });
   std::vector<Vec3> means;
-  for (int c = 0; c < best.k; ++c) rank[order[c]] = c, means.push_back(best.mean[order[c]]);
+  for (int c = 0; c < best.k; ++c) {
+    rank[order[c]] = c;
+    means.push_back(best.mean[order[c]]);
+  }
   for (int& c : best.of) c = rank[c];
   best.mean = std::move(means);
   best.silhouette = silhouette(points, best);
@@ -120,8 +132,10 @@ ColorClusters kmeans_auto(const std::vector<Vec3>& points, const std::vector<dou
   double bar = least;
   for (int k = 2; k <= max_k && k < static_cast<int>(points.size()); ++k) {
     ColorClusters candidate = kmeans(points, weights, k, seed, work);
-    if (candidate.k == k && candidate.silhouette > bar)
-      bar = candidate.silhouette, best = std::move(candidate);
+    if (candidate.k == k && candidate.silhouette > bar) {
+      bar = candidate.silhouette;
+      best = std::move(candidate);
+    }
   }
   return best;
 }

@@ -20,21 +20,31 @@ void small(LaneComplex* a, int radix, float sign) {
   const auto turn = [sign](const LaneComplex& v) { return sign > 0 ? times_i(v) : LaneComplex{v.im, -v.re}; };
   if (radix == 2) {
     const LaneComplex t = a[1];
-    a[1] = a[0] - t, a[0] = a[0] + t;
+    a[1] = a[0] - t;
+    a[0] = a[0] + t;
   } else if (radix == 3) {
     const LaneComplex s = a[1] + a[2], d = turn(scaled(a[1] - a[2], 0.866025403784438647f));
     const LaneComplex c = a[0] - scaled(s, 0.5f);
-    a[0] = a[0] + s, a[1] = c + d, a[2] = c - d;
+    a[0] = a[0] + s;
+    a[1] = c + d;
+    a[2] = c - d;
   } else if (radix == 4) {
     const LaneComplex s = a[0] + a[2], d = a[0] - a[2], t = a[1] + a[3], u = turn(a[1] - a[3]);
-    a[0] = s + t, a[1] = d + u, a[2] = s - t, a[3] = d - u;
+    a[0] = s + t;
+    a[1] = d + u;
+    a[2] = s - t;
+    a[3] = d - u;
   } else {  // radix 5
     constexpr float c1 = 0.309016994374947424f, c2 = -0.809016994374947424f;
     constexpr float s1 = 0.951056516295153572f, s2 = 0.587785252292473129f;
     const LaneComplex p = a[1] + a[4], q = a[2] + a[3], d = a[1] - a[4], e = a[2] - a[3];
     const LaneComplex x = a[0] + scaled(p, c1) + scaled(q, c2), y = a[0] + scaled(p, c2) + scaled(q, c1);
     const LaneComplex u = turn(scaled(d, s1) + scaled(e, s2)), v = turn(scaled(d, s2) - scaled(e, s1));
-    a[0] = a[0] + p + q, a[1] = x + u, a[4] = x - u, a[2] = y + v, a[3] = y - v;
+    a[0] = a[0] + p + q;
+    a[1] = x + u;
+    a[4] = x - u;
+    a[2] = y + v;
+    a[3] = y - v;
   }
 }
 
@@ -74,7 +84,7 @@ LaneFft::LaneFft(int n) : n_(n) {
 void LaneFft::run(LaneComplex* data, LaneComplex* scratch, int inner, bool inverse) const {
   const float sign = inverse ? 1.0f : -1.0f;
   LaneComplex *from = data, *to = scratch;
-  std::size_t stride = static_cast<std::size_t>(inner);
+  std::size_t stride = inner;
   std::vector<LaneComplex> wide;
   for (const Stage& st : stages_) {
     const int radix = st.radix, m = st.m;

@@ -40,9 +40,9 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
   for (int z = 0; z < size_.z(); ++z)
     for (int y = 0; y < size_.y(); ++y)
       for (int x = 0; x < size_.x(); ++x) {
-        const auto at = static_cast<std::uint32_t>(
+        const std::uint32_t at =
             (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + x +
-            pad_.x());
+            pad_.x();
         order_.push_back(at);
         place(at, start.at[start.index(x, y, z)]);
       }
@@ -55,7 +55,7 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
   for (std::size_t d = 0; d < targets.size(); ++d) {
     const Vec3i& o = targets[d].offset;
     step_.push_back((static_cast<std::ptrdiff_t>(o.z()) * padded_.y() + o.y()) * padded_.x() + o.x());
-    const double pairs = static_cast<double>(now.pairs[d]), pixels = static_cast<double>(start.at.size());
+    const double pairs = now.pairs[d], pixels = start.at.size();
     pairs_.push_back(pairs);
     weight_.push_back(pixels / pairs * (pixels / pairs));
     weighted_ |= now.pairs[d] != now.pairs[0];
@@ -147,15 +147,19 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
       const int after = at[step_[d]], before = at[-step_[d]];
       std::int32_t *remote = &by_remote_[d * rows], *home = &by_home_[d * rows];
       if (after < levels) {
-        --home[now * width + after], ++home[best * width + after];
-        --remote[after * width + now], ++remote[after * width + best];
+        --home[now * width + after];
+        ++home[best * width + after];
+        --remote[after * width + now];
+        ++remote[after * width + best];
       }
       if (before < levels) {
-        --home[before * width + now], ++home[before * width + best];
-        --remote[now * width + before], ++remote[best * width + before];
+        --home[before * width + now];
+        ++home[before * width + best];
+        --remote[now * width + before];
+        ++remote[best * width + before];
       }
     }
-    place(pixels[p], static_cast<std::uint8_t>(best));
+    place(pixels[p], best);
   }
   return changed;
 }
@@ -166,33 +170,41 @@ std::size_t LevelDescent::sweep(std::uint64_t seed, const Work& work) {
   constexpr std::size_t kStep = 4096;
   for (std::size_t i = 0; i < order_.size(); i += kStep) {
     work.check();
-    work.progress(static_cast<double>(i) / static_cast<double>(order_.size()));
+    work.progress(static_cast<double>(i) / order_.size());
     const std::uint32_t* pixels = order_.data() + i;
     const std::size_t n = std::min(kStep, order_.size() - i);
     switch (width_ / kLanes * 2 + weighted_) {
       case 2:
-        changed += visit<1, false>(pixels, n);
+        changed += visit < 1;
+        false > (pixels, n);
         break;
       case 3:
-        changed += visit<1, true>(pixels, n);
+        changed += visit < 1;
+        true > (pixels, n);
         break;
       case 4:
-        changed += visit<2, false>(pixels, n);
+        changed += visit < 2;
+        false > (pixels, n);
         break;
       case 5:
-        changed += visit<2, true>(pixels, n);
+        changed += visit < 2;
+        true > (pixels, n);
         break;
       case 6:
-        changed += visit<3, false>(pixels, n);
+        changed += visit < 3;
+        false > (pixels, n);
         break;
       case 7:
-        changed += visit<3, true>(pixels, n);
+        changed += visit < 3;
+        true > (pixels, n);
         break;
       case 8:
-        changed += visit<4, false>(pixels, n);
+        changed += visit < 4;
+        false > (pixels, n);
         break;
       default:
-        changed += visit<4, true>(pixels, n);
+        changed += visit < 4;
+        true > (pixels, n);
         break;
     }
   }
@@ -222,7 +234,7 @@ LevelField LevelDescent::field() const {
       const std::size_t row =
           (static_cast<std::size_t>(z + pad_.z()) * padded_.y() + y + pad_.y()) * padded_.x() + pad_.x();
       std::memcpy(&out.at[i], &levels_of_[row], static_cast<std::size_t>(size_.x()));
-      i += static_cast<std::size_t>(size_.x());
+      i += size_.x();
     }
   return out;
 }
@@ -244,15 +256,18 @@ LevelField level_noise(const std::vector<const LevelField*>& source, int levels,
   std::int64_t total = 0;
   for (const auto* f : source)
     for (const auto level : f->at)
-      if (level < levels) ++count[level], ++total;
+      if (level < levels) {
+        ++count[level];
+        ++total;
+      }
   LevelField out(size);
-  const auto n = static_cast<std::int64_t>(out.at.size());
+  const std::int64_t n = out.at.size();
   std::int64_t sum = 0;
   std::size_t i = 0;
   for (int k = 0; k < levels; ++k) {
-    sum += count[static_cast<std::size_t>(k)];
-    const auto end = static_cast<std::size_t>(total > 0 ? sum * n / total : n);
-    for (; i < end; ++i) out.at[i] = static_cast<std::uint8_t>(k);
+    sum += count[k];
+    const std::size_t end = total > 0 ? sum * n / total : n;
+    for (; i < end; ++i) out.at[i] = k;
   }
   Random random(seed, 0x0cc0);
   for (std::size_t j = out.at.size(); j > 1; --j) std::swap(out.at[j - 1], out.at[random.below(j)]);

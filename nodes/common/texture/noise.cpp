@@ -55,9 +55,11 @@ Cell cellular(std::uint64_t seed, const Vec3& p) {
         const std::uint64_t h = hash(seed, x + dx, y + dy, z + dz);
         const Vec3 at(x + dx + unit(h), y + dy + unit(h >> 21), z + dz + unit(h >> 42));
         const double d = (p - at).squaredNorm();
-        if (d < first)
-          second = first, first = d, out.shade = unit(mix64(h));
-        else if (d < second)
+        if (d < first) {
+          second = first;
+          first = d;
+          out.shade = unit(mix64(h));
+        } else if (d < second)
           second = d;
       }
   out.edge = std::sqrt(second) - std::sqrt(first);

@@ -14,7 +14,7 @@ PhaseStatistics phase_statistics(const std::vector<Phase>& pictures, int reach) 
       run = *p ? run + 1 : 0;
       // Segments that end at this pixel.
       for (int r = 0; r <= std::min(i, reach); ++r) {
-        const auto k = static_cast<std::size_t>(r);
+        const std::size_t k = r;
         ++all[k];
         if (!*p) continue;
         both[k] += p[-static_cast<std::ptrdiff_t>(r) * stride];
@@ -24,7 +24,7 @@ PhaseStatistics phase_statistics(const std::vector<Phase>& pictures, int reach) 
   };
   for (const Phase& p : pictures) {
     for (int y = 0; y < p.height; ++y) line(&p.in[static_cast<std::size_t>(y) * p.width], p.width, 1);
-    for (int x = 0; x < p.width; ++x) line(&p.in[static_cast<std::size_t>(x)], p.height, p.width);
+    for (int x = 0; x < p.width; ++x) line(&p.in[x], p.height, p.width);
   }
   PhaseStatistics out;
   for (std::size_t k = 0; k < n; ++k) {

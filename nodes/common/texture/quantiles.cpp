@@ -8,13 +8,13 @@
 namespace terrazzo {
 
 float Quantiles::of(double u) const {
-  const double x = std::clamp(u, 0.0, 1.0) * static_cast<double>(at.size() - 1);
+  const double x = std::clamp(u, 0.0, 1.0) * (at.size() - 1);
   const std::size_t i = std::min(static_cast<std::size_t>(x), at.size() - 2);
-  return at[i] + static_cast<float>(x - static_cast<double>(i)) * (at[i + 1] - at[i]);
+  return at[i] + static_cast<float>(x - i) * (at[i + 1] - at[i]);
 }
 
 void Quantiles::widen(double factor) {
-  const auto move = [&](float& v) { v = static_cast<float>(mean + (v - mean) * factor); };
+  const auto move = [&](float& v) { v = mean + (v - mean) * factor; };
   for (float& v : at) move(v);
   move(least), move(most);
   deviation *= factor;
@@ -24,30 +24,34 @@ Quantiles quantiles_of(const std::vector<float>& values) {
   Quantiles q;
   double sum = 0, squares = 0;
   for (const float v : values) sum += v;
-  q.mean = sum / static_cast<double>(values.size());
+  q.mean = sum / values.size();
   for (const float v : values) squares += (v - q.mean) * (v - q.mean);
-  q.deviation = std::sqrt(squares / static_cast<double>(values.size()));
+  q.deviation = std::sqrt(squares / values.size());
   std::vector<float> picked;
   const std::size_t most = std::min<std::size_t>(values.size(), 65536);
   for (std::size_t i = 0; i < most; ++i) picked.push_back(values[i * values.size() / most]);
   std::sort(picked.begin(), picked.end());
-  q.least = picked.front(), q.most = picked.back();
+  q.least = picked.front();
+  q.most = picked.back();
   // Entry i represents the middle of its share of the samples.
   constexpr std::size_t entries = 2049;
   for (std::size_t i = 0; i < entries; ++i) {
-    const double x = static_cast<double>(i) / (entries - 1) * static_cast<double>(most) - 0.5;
+    const double x = static_cast<double>(i) / (entries - 1) * most - 0.5;
     const double c = std::clamp(x, 0.0, static_cast<double>(most - 1));
     const std::size_t lo = static_cast<std::size_t>(c), hi = std::min(lo + 1, most - 1);
-    q.at.push_back(picked[lo] + static_cast<float>(c - static_cast<double>(lo)) * (picked[hi] - picked[lo]));
+    q.at.push_back(picked[lo] + static_cast<float>(c - lo) * (picked[hi] - picked[lo]));
   }
   // Set the outermost entries so that the outermost cells have the mean of their samples, instead of to the
   // extremes. A straight line to a single outlier would widen the distribution by several percent.
   const std::size_t cell = most / (entries - 1);
   if (cell >= 2) {
     double low = 0, high = 0;
-    for (std::size_t i = 0; i < cell; ++i) low += picked[i], high += picked[most - 1 - i];
+    for (std::size_t i = 0; i < cell; ++i) {
+      low += picked[i];
+      high += picked[most - 1 - i];
+    }
     const auto end = [&](double mean_of_cell, float inner) {
-      return static_cast<float>(2 * mean_of_cell / static_cast<double>(cell) - inner);
+      return static_cast<float>(2 * mean_of_cell / cell - inner);
     };
     q.at.front() = std::clamp(end(low, q.at[1]), picked.front(), q.at[1]);
     q.at.back() = std::clamp(end(high, q.at[entries - 2]), q.at[entries - 2], picked.back());
@@ -61,17 +65,24 @@ Quantiles mixture(const std::vector<const Quantiles*>& parts) {
   for (const Quantiles* q : parts) values.insert(values.end(), q->at.begin(), q->at.end());
   Quantiles out = quantiles_of(values);
   double mean = 0, square = 0;
-  for (const Quantiles* q : parts) mean += q->mean, square += q->deviation * q->deviation + q->mean * q->mean;
-  for (const Quantiles* q : parts)
-    out.least = std::min(out.least, q->least), out.most = std::max(out.most, q->most);
-  const double n = static_cast<double>(parts.size());
-  out.mean = mean / n, out.deviation = std::sqrt(std::max(0.0, square / n - out.mean * out.mean));
+  for (const Quantiles* q : parts) {
+    mean += q->mean;
+    square += q->deviation * q->deviation + q->mean * q->mean;
+  }
+  for (const Quantiles* q : parts) {
+    out.least = std::min(out.least, q->least);
+    out.most = std::max(out.most, q->most);
+  }
+  const double n = parts.size();
+  out.mean = mean / n;
+  out.deviation = std::sqrt(std::max(0.0, square / n - out.mean * out.mean));
   return out;
 }
 
 Remap::Remap(const Quantiles& target) : target_(&target) {
   const float width = std::max(target.most - target.least, 1e-12f);
-  lo_ = target.least - width / 2, scale_ = kBins / (2 * width);
+  lo_ = target.least - width / 2;
+  scale_ = kBins / (2 * width);
 }
 
 namespace {

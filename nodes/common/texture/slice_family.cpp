@@ -17,8 +17,7 @@ float* lanes(LaneComplex& c) { return reinterpret_cast<float*>(&c); }
 // of large bands.
 void count_group(const Remap& remap, LaneComplex* group, std::size_t each, int used, Remap::Counts& counts) {
   const std::size_t step = each > 2048 ? 4 : 1;
-  for (std::size_t i = 0; i < each; i += step)
-    remap.count(lanes(group[i]), static_cast<std::size_t>(std::min(used, kLanes)), counts);
+  for (std::size_t i = 0; i < each; i += step) remap.count(lanes(group[i]), std::min(used, kLanes), counts);
 }
 
 }  // namespace
@@ -31,7 +30,9 @@ SliceFamily::SliceFamily(const Vec3i& size, int axis, int scales)
   for (const Band& b : bands_) crops_.emplace_back(b.width, b.height);
   const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x()),
                                 static_cast<std::size_t>(size.x()) * size.y()};
-  step_u_ = steps[kSliceColumns[axis]], step_v_ = steps[kSliceRows[axis]], step_slice_ = steps[axis];
+  step_u_ = steps[kSliceColumns[axis]];
+  step_v_ = steps[kSliceRows[axis]];
+  step_slice_ = steps[axis];
 }
 
 void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, const Work& work) const {
@@ -41,8 +42,7 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
     for (std::size_t g = begin; g < end; ++g) {
       LaneComplex* group = &space.spectra[g * fft_.count()];
       const float* from[kAtOnce];
-      for (int i = 0; i < kAtOnce; ++i)
-        from[i] = volume.data() + (g * kAtOnce + i) % static_cast<std::size_t>(slices_) * step_slice_;
+      for (int i = 0; i < kAtOnce; ++i) from[i] = volume.data() + (g * kAtOnce + i) % slices_ * step_slice_;
       each_pixel([&](int u, int v) {
         float* to = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
         for (int i = 0; i < kAtOnce; ++i) to[i] = from[i][u * step_u_ + v * step_v_];
@@ -133,15 +133,17 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
   for (std::size_t b = 0; b < bands_.size(); ++b)
     if (is_coarse(b) && bands_[b].scale <= last_scale)
       change_coarse(bands_[b], remap[b], space.coarse[b], quiet);
-  const float norm = share / static_cast<float>(fft_.count());
+  const float norm = share / fft_.count();
   work.part(0.2, 1).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
     auto& local = space.group.local();
     local.band.resize(fft_.count()), local.output.resize(fft_.count());
     for (std::size_t g = begin; g < end; ++g) {
       const LaneComplex* in = &space.spectra[g * fft_.count()];
       LaneComplex* output = local.output.data();
-      for (std::size_t i = 0; i < fft_.count(); ++i)
-        output[i].re = in[i].re * rest[i], output[i].im = in[i].im * rest[i];
+      for (std::size_t i = 0; i < fft_.count(); ++i) {
+        output[i].re = in[i].re * rest[i];
+        output[i].im = in[i].im * rest[i];
+      }
       for (std::size_t b = 0; b < bands_.size(); ++b) {
         if (bands_[b].scale > last_scale) continue;
         LaneComplex* band = local.band.data();
@@ -171,7 +173,7 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
   work.parallel(fft_.count(), 4096, [&](std::size_t begin, std::size_t end) {
     for (int g = 0; g < groups_; ++g) {
       const LaneComplex* in = &space.spectra[g * fft_.count()];
-      const int used = slices_in(static_cast<std::size_t>(g));
+      const int used = slices_in(g);
       for (std::size_t i = begin; i < end; ++i) {
         if (used == kAtOnce) {
           const Lane square = in[i].re * in[i].re + in[i].im * in[i].im;
@@ -179,7 +181,7 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
           continue;
         }
         // A lane holds two slices as real and imaginary part; the mirrored coefficient separates them.
-        const std::size_t w = static_cast<std::size_t>(fft_.width()), h = fft_.height();
+        const std::size_t w = fft_.width(), h = fft_.height();
         const LaneComplex& mirror = in[(h - i / w) % h * w + (w - i % w) % w];
         for (int l = 0; l < used; ++l) {
           const int k = l % 4;
@@ -193,12 +195,12 @@ std::vector<double> SliceFamily::power_of(const Workspace& space, const Work& wo
   // Subtract the volume's mean, which is not a deviation.
   double mean = 0;
   for (int g = 0; g < groups_; ++g)
-    for (int l = 0; l < slices_in(static_cast<std::size_t>(g)); ++l) {
+    for (int l = 0; l < slices_in(g); ++l) {
       const LaneComplex& c = space.spectra[g * fft_.count()];
       mean += l < 4 ? c.re[l % 4] : c.im[l % 4];
     }
   power[0] = std::max(0.0, power[0] - mean * mean / slices_);
-  const double n = static_cast<double>(fft_.count());
+  const double n = fft_.count();
   for (double& p : power) p /= n * n * slices_;
   return power;
 }
@@ -239,8 +241,9 @@ void SliceFamily::filter_spectra(std::vector<float>& volume, const std::vector<f
     for (std::size_t g = begin; g < end; ++g) {
       LaneComplex* group = &space.spectra[g * fft_.count()];
       for (std::size_t i = 0; i < fft_.count(); ++i) {
-        const float f = gain[i] / static_cast<float>(fft_.count());
-        group[i].re *= f, group[i].im *= f;
+        const float f = gain[i] / fft_.count();
+        group[i].re *= f;
+        group[i].im *= f;
       }
       fft_.run(group, true, scratch);
       const int used = slices_in(g);

@@ -57,8 +57,11 @@ std::vector<Band> pyramid_bands(int width, int height, int scales, int orientati
   for (int scale = 0; scale <= scales + 1; ++scale)
     for (int o = 0; o < (scale == 0 || scale > scales ? 1 : orientations); ++o) {
       Band b;
-      b.scale = scale, b.orientation = o, b.odd = orientations > 1 && scale > 0 && scale <= scales;
-      b.width = cropped(width, upper_edge(scale)), b.height = cropped(height, upper_edge(scale));
+      b.scale = scale;
+      b.orientation = o;
+      b.odd = orientations > 1 && scale > 0 && scale <= scales;
+      b.width = cropped(width, upper_edge(scale));
+      b.height = cropped(height, upper_edge(scale));
       b.gain.resize(static_cast<std::size_t>(b.width) * b.height);
       b.source.resize(b.gain.size());
       for (int y = 0; y < b.height; ++y)
@@ -68,7 +71,7 @@ std::vector<Band> pyramid_bands(int width, int height, int scales, int orientati
           const double g = orientations == 1 ? radial_gain(scale, scales, std::hypot(u, v))
                                              : band_gain(scale, o, scales, u, v);
           const std::size_t at = static_cast<std::size_t>(y) * b.width + x;
-          b.gain[at] = static_cast<float>(g);
+          b.gain[at] = g;
           b.source[at] = static_cast<std::size_t>((fy + height) % height) * width + (fx + width) % width;
         }
       bands.push_back(std::move(b));
@@ -78,14 +81,17 @@ std::vector<Band> pyramid_bands(int width, int height, int scales, int orientati
 
 void extract_band(const Band& b, const LaneFft2& crop, const LaneComplex* spectrum, std::size_t full_count,
                   LaneComplex* out, std::vector<LaneComplex>& scratch) {
-  const float norm = 1.0f / static_cast<float>(full_count);
+  const float norm = 1.0f / full_count;
   for (std::size_t i = 0; i < b.gain.size(); ++i) {
     const float g = b.gain[i] * norm;
     const LaneComplex& s = spectrum[b.source[i]];
-    if (b.odd)
-      out[i].re = -s.im * g, out[i].im = s.re * g;
-    else
-      out[i].re = s.re * g, out[i].im = s.im * g;
+    if (b.odd) {
+      out[i].re = -s.im * g;
+      out[i].im = s.re * g;
+    } else {
+      out[i].re = s.re * g;
+      out[i].im = s.im * g;
+    }
   }
   crop.run(out, true, scratch);
 }
@@ -93,15 +99,18 @@ void extract_band(const Band& b, const LaneFft2& crop, const LaneComplex* spectr
 void add_band(const Band& b, const LaneFft2& crop, LaneComplex* values, std::size_t full_count,
               LaneComplex* spectrum, std::vector<LaneComplex>& scratch) {
   crop.run(values, false, scratch);
-  const float norm = static_cast<float>(full_count) / static_cast<float>(crop.count());
+  const float norm = static_cast<float>(full_count) / crop.count();
   for (std::size_t i = 0; i < b.gain.size(); ++i) {
     if (b.gain[i] == 0) continue;
     const float g = b.gain[i] * norm;
     LaneComplex& s = spectrum[b.source[i]];
-    if (b.odd)
-      s.re += values[i].im * g, s.im -= values[i].re * g;
-    else
-      s.re += values[i].re * g, s.im += values[i].im * g;
+    if (b.odd) {
+      s.re += values[i].im * g;
+      s.im -= values[i].re * g;
+    } else {
+      s.re += values[i].re * g;
+      s.im += values[i].im * g;
+    }
   }
 }
 

@@ -15,7 +15,8 @@ constexpr std::size_t kPatches = 2048;  // per scale
 
 PatchPicture picture_of(const TexturePart& part) {
   PatchPicture p;
-  p.width = part.image->width, p.height = part.image->height;
+  p.width = part.image->width;
+  p.height = part.image->height;
   const auto n = static_cast<std::size_t>(p.width) * p.height;
   for (std::size_t i = 0; i < n; ++i) p.pixels.push_back(linear_to_oklab(part.image->pixels[i]));
   p.inside = part.mask;
@@ -24,7 +25,8 @@ PatchPicture picture_of(const TexturePart& part) {
 
 PatchPicture halved(const PatchPicture& in) {
   PatchPicture out;
-  out.width = in.width / 2, out.height = in.height / 2;
+  out.width = in.width / 2;
+  out.height = in.height / 2;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(2 * y) * in.width + 2 * x, below = i + in.width;
@@ -79,7 +81,7 @@ std::vector<std::vector<float>> project(const std::vector<PatchPicture>& picture
         v = Vec3(x, y, z).cast<float>();
         square += x * x + y * y + z * z;
       }
-      const auto unit = static_cast<float>(1 / std::sqrt(square));
+      const float unit = 1 / std::sqrt(square);
       for (std::size_t i = 0; i < kPatches; ++i) {
         // Stratified, so that patches are spread evenly even if there are few.
         const std::size_t lo = i * corners.size() / kPatches, hi = (i + 1) * corners.size() / kPatches;
@@ -130,10 +132,11 @@ double patch_distance(std::vector<PatchPicture> a, std::vector<PatchPicture> b, 
     double square = 0;
     for (int d = 0; d < kDirections; ++d)
       for (std::size_t i = 0; i < kPatches; ++i) {
-        const double e = qa[static_cast<std::size_t>(d)][i] - qb[static_cast<std::size_t>(d)][i];
+        const double e = qa[d][i] - qb[d][i];
         square += e * e;
       }
-    sum += square / (kDirections * static_cast<double>(kPatches)), ++scales;
+    sum += square / (kDirections * static_cast<double>(kPatches));
+    ++scales;
     for (auto& p : a) p = halved(p);
     for (auto& p : b) p = halved(p);
   }
@@ -171,19 +174,19 @@ double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<Patch
     return c;
   };
   const Columns from = columns(a, kPatches / 2, 0), to = columns(b, kPatches, 1);
-  const auto count = static_cast<std::size_t>(from.patch.cols());
+  const std::size_t count = from.patch.cols();
   if (count == 0 || to.patch.cols() == 0) return -1;
   std::vector<float> nearest(count);
   work.parallel(count, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto column = static_cast<Eigen::Index>(i);
+      const Eigen::Index column = i;
       const float least =
           (to.half - to.patch.transpose() * from.patch.col(column)).minCoeff() + from.half[column];
       nearest[i] = std::sqrt(std::max(0.0f, 2 * least) / n);
     }
   });
   std::sort(nearest.begin(), nearest.end());
-  return nearest[std::min(count - 1, static_cast<std::size_t>(share * static_cast<double>(count)))];
+  return nearest[std::min(count - 1, static_cast<std::size_t>(share * count))];
 }
 
 double patch_distance_floor(const Image& image, const Work& work) {

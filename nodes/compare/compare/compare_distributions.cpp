@@ -32,7 +32,8 @@ Density summed(const SizeDistribution& d) {
   for (const auto& e : d.shapes)
     for (std::size_t i = 0; i < d.classes(); ++i) {
       const double sd = (e.high[i] - e.low[i]) / (2 * sigmas_90);
-      s.value[i] += e.N_V[i], s.variance[i] += std::isfinite(sd) ? sd * sd : 0;
+      s.value[i] += e.N_V[i];
+      s.variance[i] += std::isfinite(sd) ? sd * sd : 0;
     }
   return s;
 }
@@ -53,7 +54,8 @@ Density reclassed(const Density& d, const std::vector<double>& from, const std::
       const double share =
           width > 0 ? std::max(0.0, std::min(from[i + 1], to[j + 1]) - std::max(from[i], to[j])) / width
                     : (from[i] > to[j] && from[i] <= to[j + 1]);
-      out.value[j] += share * d.value[i], out.variance[j] += share * share * d.variance[i];
+      out.value[j] += share * d.value[i];
+      out.variance[j] += share * share * d.variance[i];
     }
   return out;
 }
@@ -69,7 +71,8 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
     edges.clear();
     const double largest = std::max(a.class_edges.back(), b.class_edges.back());
     for (int i = 0; i <= choice.classes; ++i) edges.push_back(largest * i / choice.classes);
-    da = reclassed(da, a.class_edges, edges), db = reclassed(db, b.class_edges, edges);
+    da = reclassed(da, a.class_edges, edges);
+    db = reclassed(db, b.class_edges, edges);
   }
   // Without a volume fraction, densities are relative.
   const char* const unit = a.volume_fraction > 0 && b.volume_fraction > 0 ? "mm⁻³" : "relative";
@@ -78,14 +81,20 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
     const double va = da.value[i], vb = db.value[i], noise = da.variance[i] + db.variance[i];
     out.numbers.push_back({"size_classes", fmt::format("N_V {}", i + 1), unit, edges[i], edges[i + 1], va, vb,
                            std::max(sigmas_95 * std::sqrt(noise), 1e-9 * std::abs(va))});
-    total_a += va, total_b += vb, difference += std::abs(vb - va), variance += noise;
+    total_a += va;
+    total_b += vb;
+    difference += std::abs(vb - va);
+    variance += noise;
   }
   out.numbers.push_back({"size_classes", "N_V", unit, 0, 0, total_a, total_b,
                          std::max(sigmas_95 * std::sqrt(variance), 1e-9 * std::abs(total_a))});
-  out.metrics["N_V_a"] = total_a, out.metrics["N_V_b"] = total_b;
+  out.metrics["N_V_a"] = total_a;
+  out.metrics["N_V_b"] = total_b;
   if (total_a > 0) out.metrics["N_V_l1"] = difference / total_a;
-  out.metrics["volume_fraction_a"] = a.volume_fraction, out.metrics["volume_fraction_b"] = b.volume_fraction;
-  out.metrics["d_max_a"] = a.d_max, out.metrics["d_max_b"] = b.d_max;
+  out.metrics["volume_fraction_a"] = a.volume_fraction;
+  out.metrics["volume_fraction_b"] = b.volume_fraction;
+  out.metrics["d_max_a"] = a.d_max;
+  out.metrics["d_max_b"] = b.d_max;
   return out;
 }
 

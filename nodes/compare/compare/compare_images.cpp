@@ -41,11 +41,13 @@ Pixels pixels_of(const Image& image, const char* which, const Work& work) {
         if (!c.allFinite())
           throw Error("bad-pixels", fmt::format("image {} has a non-finite pixel at ({}, {})", which, x, y));
         const Vec3f lab = linear_to_oklab(c);
-        linear += c.cast<double>(), p.mean += lab.cast<double>();
+        linear += c.cast<double>();
+        p.mean += lab.cast<double>();
         const std::size_t block =
             (static_cast<std::size_t>(s) * blocks + y * blocks / image.height) * blocks +
             x * blocks / image.width;
-        block_sum[block] += lab.cast<double>(), ++block_count[block];
+        block_sum[block] += lab.cast<double>();
+        ++block_count[block];
         if (mix64(index++) % step) continue;
         const bool sides[4] = {2 * x < image.width, 2 * x >= image.width, 2 * y < image.height,
                                2 * y >= image.height};
@@ -56,13 +58,15 @@ Pixels pixels_of(const Image& image, const char* which, const Work& work) {
         }
       }
     }
-  const double count = static_cast<double>(image.pixels.size());
-  p.linear = (linear / count).cast<float>(), p.mean /= count;
+  const double count = image.pixels.size();
+  p.linear = (linear / count).cast<float>();
+  p.mean /= count;
   double used = 0;
   for (std::size_t i = 0; i < block_sum.size(); ++i) {
     if (block_count[i] == 0) continue;
     const Eigen::Vector3d d = block_sum[i] / block_count[i] - p.mean;
-    p.variance += d.cwiseProduct(d), ++used;
+    p.variance += d.cwiseProduct(d);
+    ++used;
   }
   if (used > 1) p.variance /= used * (used - 1);
   return p;

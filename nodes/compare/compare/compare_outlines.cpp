@@ -43,7 +43,9 @@ Sample sample_of(const Profiles& p, OutlineFeature feature, double smallest, dou
     const double v = outline_features(q.contour, {.points = 128, .blur = share})[feature];
     if (!std::isfinite(v) || v == 0) continue;
     s.values.emplace_back(v, q.weight);
-    s.weight += q.weight, s.squares += q.weight * q.weight, s.mean += q.weight * v;
+    s.weight += q.weight;
+    s.squares += q.weight * q.weight;
+    s.mean += q.weight * v;
   }
   std::sort(s.values.begin(), s.values.end());
   if (s.weight > 0) s.mean /= s.weight;
@@ -100,11 +102,13 @@ void compare_outlines(const Profiles& a, const Profiles& b, const std::string& m
                          sigmas_95 * std::sqrt(sa.variance / sa.count() + sb.variance / sb.count())});
   out.numbers.push_back({measure, "Kolmogorov–Smirnov distance", "", 0, 0, 0, smirnov(sa, sb),
                          kSmirnov_95 * std::sqrt(1 / sa.count() + 1 / sb.count())});
-  out.metrics[measure + "_a"] = sa.mean, out.metrics[measure + "_b"] = sb.mean;
+  out.metrics[measure + "_a"] = sa.mean;
+  out.metrics[measure + "_b"] = sb.mean;
   out.metrics[measure + "_distance"] = smirnov(sa, sb);
   Plot plot;
   plot.title = measure == "circularity" ? "Area / perimeter²" : "Total curvature";
-  plot.x_label = measure == "circularity" ? "area / perimeter²" : "rad", plot.y_label = "share below";
+  plot.x_label = measure == "circularity" ? "area / perimeter²" : "rad";
+  plot.y_label = "share below";
   plot.series = {curve(sa, 0), curve(sb, 1)};
   out.plots.push_back(plot);
 }

@@ -43,7 +43,8 @@ double mean_intercept(const Labels& labels) {
                 std::int32_t before = 0;
                 for (int i = 0; i < length; ++i) {
                   const std::int32_t id = p[static_cast<std::ptrdiff_t>(i) * stride];
-                  pixels += id > 0, runs += id > 0 && id != before;
+                  pixels += id > 0;
+                  runs += id > 0 && id != before;
                   before = id;
                 }
               });
@@ -80,7 +81,8 @@ std::vector<Counts> count_segments(const std::vector<Window>& windows, double re
           // Segments that end at this pixel.
           for (int r = 0; r <= std::min(i, longest); ++r) {
             const std::int32_t start = p[-static_cast<std::ptrdiff_t>(r) * stride];
-            ++ends[r], pairs[r] += start >= 0;
+            ++ends[r];
+            pairs[r] += start >= 0;
             both[r] += *p > 0 && start > 0;
             (*p > 0 ? inside : binder)[r] += run > r;
           }
@@ -101,14 +103,14 @@ Phases curves_of(const Counts& counts, double reach, double pixel) {
   const std::size_t n = counts.of[3].size();
   const auto share = [&](std::size_t q, std::size_t r) {
     const std::int64_t all = counts.of[q == 0 ? 3 : 4][r];
-    return all > 0 ? static_cast<double>(counts.of[q][r]) / static_cast<double>(all) : 0;
+    return all > 0 ? static_cast<double>(counts.of[q][r]) / all : 0;
   };
   Phases out;
   for (std::size_t q = 0; q < out.size(); ++q)
     for (int k = 0; k < kDistances; ++k) {
       const double at = reach * k / (kDistances - 1) / pixel;
       const auto low = std::min(static_cast<std::size_t>(at), n - 2);
-      const double t = at - static_cast<double>(low);
+      const double t = at - low;
       out[q].push_back((1 - t) * share(q, low) + t * share(q, low + 1));
     }
   return out;
@@ -158,7 +160,7 @@ std::array<double, 3> noise_of(const Labels& labels, double area_a, double area_
     const Phases x = curves_of(one, reach, labels.pixel_size), y = curves_of(rest, reach, labels.pixel_size);
     for (std::size_t q = 0; q < 3; ++q) apart[q].push_back(largest_difference(x[q], y[q]));
   }
-  const auto n = static_cast<double>(samples.size());
+  const double n = samples.size();
   const double area = area_of(samples.front());
   const double scale = std::sqrt((area / area_a + area / area_b) / (1 + 1 / (n - 1)));
   const auto last = static_cast<std::size_t>(std::ceil(0.95 * n)) - 1;
@@ -195,7 +197,9 @@ void compare_phases(const Labels& a, const Labels& b, const CompareChoice& choic
     auto& metric = out.metrics[std::string(measure) + "_difference"];
     metric = std::max(metric, difference);
     Plot plot;
-    plot.title = title, plot.x_label = "distance, mm", plot.y_label = "share";
+    plot.title = title;
+    plot.x_label = "distance, mm";
+    plot.y_label = "share";
     for (const Curve* c : {&of_a[q], &of_b[q]}) {
       PlotSeries s;
       for (int k = 0; k < kDistances; ++k)

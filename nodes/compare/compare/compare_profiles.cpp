@@ -34,7 +34,8 @@ std::vector<Bin> bins_of(const Profiles& p, double largest, const CompareChoice&
   for (const Profile& q : p.profiles) {
     if (q.weight == 0 || diameter(q) < choice.smallest) continue;
     const int i = std::min(static_cast<int>(diameter(q) / largest * choice.classes), choice.classes - 1);
-    bins[i].weight += q.weight, bins[i].squares += q.weight * q.weight;
+    bins[i].weight += q.weight;
+    bins[i].squares += q.weight * q.weight;
   }
   return bins;
 }
@@ -56,7 +57,8 @@ double rate_variance(const Bin& a, double area_a, const Bin& b, double area_b, d
 ComparedNumber compare_rate(const Bin& a, double area_a, const Bin& b, double area_b) {
   ComparedNumber n;
   n.measure = "size_classes";
-  n.a = a.weight / area_a, n.b = b.weight / area_b;
+  n.a = a.weight / area_a;
+  n.b = b.weight / area_b;
   const double weight = a.weight + b.weight;
   const double variance =
       rate_variance(a, area_a, b, area_b, area_a) + rate_variance(a, area_a, b, area_b, area_b);
@@ -81,7 +83,9 @@ void compare_sizes(const Profiles& a, const Profiles& b, const CompareChoice& ch
   if (!(area_a > 0) || !(area_b > 0)) {
     out.warnings.push_back(
         "an observed area is unknown: size classes compare shares of the total number, not densities");
-    area_a = total(bins_a), area_b = total(bins_b), unit = "";
+    area_a = total(bins_a);
+    area_b = total(bins_b);
+    unit = "";
     if (area_a == 0 || area_b == 0) {
       out.warnings.push_back(
           "size classes are not compared: one set has no profile that is whole and at least as large as "
@@ -93,20 +97,30 @@ void compare_sizes(const Profiles& a, const Profiles& b, const CompareChoice& ch
   Bin all_a, all_b;
   for (int i = 0; i < choice.classes; ++i) {
     ComparedNumber n = compare_rate(bins_a[i], area_a, bins_b[i], area_b);
-    n.item = fmt::format("N_A {}", i + 1), n.unit = unit;
-    n.lower = largest * i / choice.classes, n.upper = largest * (i + 1) / choice.classes;
-    difference += std::abs(n.b - n.a), sum_a += n.a;
-    all_a.weight += bins_a[i].weight, all_a.squares += bins_a[i].squares;
-    all_b.weight += bins_b[i].weight, all_b.squares += bins_b[i].squares;
+    n.item = fmt::format("N_A {}", i + 1);
+    n.unit = unit;
+    n.lower = largest * i / choice.classes;
+    n.upper = largest * (i + 1) / choice.classes;
+    difference += std::abs(n.b - n.a);
+    sum_a += n.a;
+    all_a.weight += bins_a[i].weight;
+    all_a.squares += bins_a[i].squares;
+    all_b.weight += bins_b[i].weight;
+    all_b.squares += bins_b[i].squares;
     const double variance = rate_variance(bins_a[i], area_a, bins_b[i], area_b, area_a) +
                             rate_variance(bins_a[i], area_a, bins_b[i], area_b, area_b);
-    if (variance > 0) chi2 += (n.b - n.a) * (n.b - n.a) / variance, ++filled;
+    if (variance > 0) {
+      chi2 += (n.b - n.a) * (n.b - n.a) / variance;
+      ++filled;
+    }
     out.numbers.push_back(std::move(n));
   }
   if (unit != "") {
     ComparedNumber n = compare_rate(all_a, area_a, all_b, area_b);
-    n.item = "N_A", n.unit = unit;
-    out.metrics["N_A_a"] = n.a, out.metrics["N_A_b"] = n.b;
+    n.item = "N_A";
+    n.unit = unit;
+    out.metrics["N_A_a"] = n.a;
+    out.metrics["N_A_b"] = n.b;
     out.numbers.push_back(std::move(n));
   }
   if (sum_a > 0) out.metrics["N_A_l1"] = difference / sum_a;
@@ -119,7 +133,10 @@ struct Fraction {
 
 Fraction fraction_of(const Profiles& p, const char* which, Comparison& out) {
   double sum = 0, squares = 0;
-  for (const Profile& q : p.profiles) sum += q.weight * q.area, squares += q.weight * q.area * q.area;
+  for (const Profile& q : p.profiles) {
+    sum += q.weight * q.area;
+    squares += q.weight * q.area * q.area;
+  }
   Fraction f;
   f.value = p.area_fraction;
   if (!(f.value > 0) && sum > 0 && p.observed_area > 0) {
@@ -139,7 +156,8 @@ void compare_fractions(const Profiles& a, const Profiles& b, Comparison& out) {
   if (std::isnan(fa.value) || std::isnan(fb.value)) return;
   out.numbers.push_back({"area_fraction", "area fraction", "", 0, 0, fa.value, fb.value,
                          sigmas_95 * std::hypot(fa.error, fb.error)});
-  out.metrics["area_fraction_a"] = fa.value, out.metrics["area_fraction_b"] = fb.value;
+  out.metrics["area_fraction_a"] = fa.value;
+  out.metrics["area_fraction_b"] = fb.value;
   out.metrics["area_fraction_ratio"] = fb.value / fa.value;
 }
 
@@ -155,11 +173,13 @@ MeanColor mean_color(const Profiles& p) {
   double sum = 0;
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
   for (const Profile& q : p.profiles) {
-    sum += q.area, linear += q.area * q.color.cast<double>();
+    sum += q.area;
+    linear += q.area * q.color.cast<double>();
     m.lab += q.area * linear_to_oklab(q.color).cast<double>();
   }
   if (!(sum > 0)) return m;
-  m.linear = (linear / sum).cast<float>(), m.lab /= sum;
+  m.linear = (linear / sum).cast<float>();
+  m.lab /= sum;
   for (const Profile& q : p.profiles) {
     const Eigen::Vector3d d = linear_to_oklab(q.color).cast<double>() - m.lab;
     m.variance += (q.area / sum) * (q.area / sum) * d.cwiseProduct(d);

@@ -26,7 +26,7 @@ Image oklab(const Image& in) {
   const int sections = std::min(in.sections, kSections);
   Image out(in.width, in.height, sections, in.pixel_size);
   for (int s = 0; s < sections; ++s) {
-    const int from = static_cast<int>(static_cast<std::int64_t>(s) * in.sections / sections);
+    const int from = static_cast<std::int64_t>(s) * in.sections / sections;
     for (int y = 0; y < in.height; ++y)
       for (int x = 0; x < in.width; ++x) out.at(x, y, s) = linear_to_oklab(in.at(x, y, from));
   }
@@ -91,7 +91,7 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
     Scales all(static_cast<std::size_t>(scales) + 1);
     for (std::size_t k = 0; k < bands.size(); ++k) {
       if (bands[k].scale > scales) continue;
-      Scale& scale = all[static_cast<std::size_t>(bands[k].scale)];
+      Scale& scale = all[bands[k].scale];
       scale.band.push_back(s.bands[0][k]);
       scale.deviation = std::hypot(scale.deviation, s.bands[0][k].deviation);
     }
@@ -107,7 +107,7 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
           const double u = (i + 0.5) / steps;
           sum += std::abs(x[s].band[k].of(u) - y[s].band[k].of(u)) / std::max(1e-9, x[s].band[k].deviation);
         }
-      v.push_back(sum / steps / static_cast<double>(x[s].band.size()));
+      v.push_back(sum / steps / x[s].band.size());
     }
     for (std::size_t s = 0; s < x.size(); ++s) v.push_back(std::abs(x[s].deviation - y[s].deviation));
     return v;
@@ -115,10 +115,14 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
   double worst = 0, least = 1e300, most = 0;
   PlotSeries left, right;
   Plot plot;
-  plot.title = "Deviation of each band", plot.x_label = "scale, fine to coarse", plot.y_label = "Oklab L";
+  plot.title = "Deviation of each band";
+  plot.x_label = "scale, fine to coarse";
+  plot.y_label = "Oklab L";
   for (std::size_t s = 0; s < m.a.size(); ++s) {
     const double ratio = m.b[s].deviation / std::max(1e-9, m.a[s].deviation);
-    worst = std::max(worst, m.found[s]), least = std::min(least, ratio), most = std::max(most, ratio);
+    worst = std::max(worst, m.found[s]);
+    least = std::min(least, ratio);
+    most = std::max(most, ratio);
     const std::string name = s == 0 ? "finest" : fmt::format("scale {}", s);
     out.numbers.push_back({"bands", name + ", deviation", "Oklab L", 0, 0, m.a[s].deviation, m.b[s].deviation,
                            m.floor[m.a.size() + s]});
@@ -128,11 +132,13 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
     left.low.push_back(std::max(0.0, m.a[s].deviation - m.floor[m.a.size() + s]));
     left.high.push_back(m.a[s].deviation + m.floor[m.a.size() + s]);
   }
-  left.kind = right.kind = PlotSeries::Kind::Bars, right.color = 1;
+  left.kind = right.kind = PlotSeries::Kind::Bars;
+  right.color = 1;
   plot.series = {left, right};
   out.plots.push_back(plot);
   out.metrics["band_distance"] = worst;
-  out.metrics["band_ratio_least"] = least, out.metrics["band_ratio_most"] = most;
+  out.metrics["band_ratio_least"] = least;
+  out.metrics["band_ratio_most"] = most;
 }
 
 std::vector<PatchPicture> pictures_of(const Image& lab) {
@@ -156,8 +162,10 @@ void compare_patches(const Texture& a, const Texture& b, Comparison& out, const 
                          "nearest in a, 95th percentile of b's"};
   for (std::size_t k = 0; k < 3; ++k)
     out.numbers.push_back({"patches", items[k], "Oklab", 0, 0, 0, m.found[k], m.floor[k]});
-  out.metrics["patch_distance"] = m.found[0], out.metrics["patch_distance_floor"] = m.floor[0];
-  out.metrics["nearest_patch_of_a"] = m.found[1], out.metrics["nearest_patch_of_b"] = m.found[2];
+  out.metrics["patch_distance"] = m.found[0];
+  out.metrics["patch_distance_floor"] = m.floor[0];
+  out.metrics["nearest_patch_of_a"] = m.found[1];
+  out.metrics["nearest_patch_of_b"] = m.found[2];
 }
 
 std::vector<Phase> darker_half(const Image& lab) {
@@ -195,7 +203,9 @@ void compare_phases(const Texture& a, const Texture& b, const CompareChoice& cho
     out.numbers.push_back({measure, "largest difference", "", 0, 0, 0, m.found[k], m.floor[k]});
     out.metrics[std::string(measure) + "_difference"] = m.found[k];
     Plot plot;
-    plot.title = title, plot.x_label = "pixels", plot.y_label = "share";
+    plot.title = title;
+    plot.x_label = "pixels";
+    plot.y_label = "share";
     for (const Values* v : {&va, &vb}) {
       PlotSeries s;
       for (std::size_t r = 0; r < v->size(); ++r)

@@ -24,7 +24,9 @@ Plot bars_of(const Comparison& c, const std::string& name_a, const std::string& 
   Plot plot;
   PlotSeries a, b;
   a.kind = b.kind = PlotSeries::Kind::Bars;
-  a.name = name_a + ", with the sampling noise of the difference", b.name = name_b, b.color = 1;
+  a.name = name_a + ", with the sampling noise of the difference";
+  b.name = name_b;
+  b.color = 1;
   for (const auto& n : c.numbers) {
     if (!(n.upper > n.lower)) continue;
     const double x = (n.lower + n.upper) / 2;
@@ -46,13 +48,20 @@ Plot bars_of(const Comparison& c, const std::string& name_a, const std::string& 
 Plot pair_of(const ComparedNumber& n, const std::string& title, const std::string& name_a,
              const std::string& name_b) {
   Plot plot;
-  plot.title = title, plot.width = 300, plot.height = height;
+  plot.title = title;
+  plot.width = 300;
+  plot.height = height;
   plot.x_words = {name_a, name_b};
   for (int k = 0; k < 2; ++k) {
     PlotSeries s;
-    s.kind = PlotSeries::Kind::Bars, s.color = k;
-    s.x = {0, 1}, s.y = {k == 0 ? n.a : NAN, k == 1 ? n.b : NAN};
-    if (k == 0) s.low = {n.a - n.tolerance, NAN}, s.high = {n.a + n.tolerance, NAN};
+    s.kind = PlotSeries::Kind::Bars;
+    s.color = k;
+    s.x = {0, 1};
+    s.y = {k == 0 ? n.a : NAN, k == 1 ? n.b : NAN};
+    if (k == 0) {
+      s.low = {n.a - n.tolerance, NAN};
+      s.high = {n.a + n.tolerance, NAN};
+    }
     plot.series.push_back(s);
   }
   return plot;
@@ -65,7 +74,7 @@ Image swatches_of(const Comparison& c, const std::string& name_a, const std::str
   title.paint(image, ink);
   draw_text(image, 24, 48, name_a, 15, ink);
   draw_text(image, 150, 48, name_b, 15, ink);
-  const int rows = static_cast<int>(c.colors.size()), step = std::min(200, (height - 90) / std::max(rows, 1));
+  const int rows = c.colors.size(), step = std::min(200, (height - 90) / std::max(rows, 1));
   for (int r = 0; r < rows; ++r) {
     const int top = 74 + r * step, bottom = top + step - 56;
     fill(image, 24, top, 150, bottom, c.colors[r].a);
@@ -104,7 +113,8 @@ Image figure_of(const Comparison& c, const std::string& name_a, const std::strin
   for (Plot plot : c.plots) {
     const std::string names[] = {name_a, name_b};
     for (std::size_t k = 0; k < plot.series.size() && k < 2; ++k) plot.series[k].name = names[k];
-    plot.width = 480, plot.height = height;
+    plot.width = 480;
+    plot.height = height;
     panels.push_back(draw(plot));
   }
   if (panels.empty()) panels.push_back(draw(Plot{}));

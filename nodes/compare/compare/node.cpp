@@ -37,12 +37,17 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
   }
   auto has = [&](const char* m) { return std::find(wanted.begin(), wanted.end(), m) != wanted.end(); };
   CompareChoice choice;
-  choice.size_classes = has("size_classes"), choice.area_fraction = has("area_fraction"),
+  choice.size_classes = has("size_classes");
+  choice.area_fraction = has("area_fraction");
   choice.color = has("color");
-  choice.circularity = has("circularity"), choice.total_curvature = has("total_curvature");
-  choice.bands = has("bands"), choice.patches = has("patches"), choice.two_point = has("two_point");
-  choice.lineal_path = has("lineal_path"), choice.seam = has("seam");
-  choice.classes = static_cast<int>(c.integer("classes"));
+  choice.circularity = has("circularity");
+  choice.total_curvature = has("total_curvature");
+  choice.bands = has("bands");
+  choice.patches = has("patches");
+  choice.two_point = has("two_point");
+  choice.lineal_path = has("lineal_path");
+  choice.seam = has("seam");
+  choice.classes = c.integer("classes");
   if (const auto v = c.optional_number("smallest")) choice.smallest = *v;
   return choice;
 }

@@ -28,8 +28,8 @@ double earth_mover(std::vector<float> a, std::vector<float> b) {
   double sum = 0, at = 0;
   std::size_t i = 0, j = 0;
   while (i < a.size() && j < b.size()) {
-    const double next_a = static_cast<double>(i + 1) / static_cast<double>(a.size());
-    const double next_b = static_cast<double>(j + 1) / static_cast<double>(b.size());
+    const double next_a = static_cast<double>(i + 1) / a.size();
+    const double next_b = static_cast<double>(j + 1) / b.size();
     const double next = std::min(next_a, next_b);
     sum += (next - at) * std::abs(static_cast<double>(a[i]) - b[j]);
     at = next;

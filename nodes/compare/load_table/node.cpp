@@ -28,8 +28,8 @@ void compute(Context& c) {
   } else {
     table = read_csv(csv_text(files[0], c), files[0].string(), c.work());
   }
-  c.metric("rows", static_cast<double>(table.rows.size()));
-  c.metric("columns", static_cast<double>(table.columns.size()));
+  c.metric("rows", table.rows.size());
+  c.metric("columns", table.columns.size());
   c.output("table", std::move(table));
 }
 

@@ -48,9 +48,10 @@ Vec3f displayed(const Vec3f& linear) {
 
 void read_pixels(const Image& image, int scale, int crop, CropCell& cell) {
   Patch& full = cell.levels[0];
-  full.width = cell.columns * crop, full.height = cell.rows * crop;
+  full.width = cell.columns * crop;
+  full.height = cell.rows * crop;
   full.lab.resize(static_cast<std::size_t>(full.width) * full.height);
-  const float share = 1.0f / static_cast<float>(scale * scale);
+  const float share = 1.0f / (scale * scale);
   for (int y = 0; y < full.height; ++y)
     for (int x = 0; x < full.width; ++x) {
       Vec3f sum = Vec3f::Zero();
@@ -62,7 +63,8 @@ void read_pixels(const Image& image, int scale, int crop, CropCell& cell) {
   for (int level = 1; level < kLevels; ++level) {
     const Patch& fine = cell.levels[level - 1];
     Patch& coarse = cell.levels[level];
-    coarse.width = fine.width / 2, coarse.height = fine.height / 2;
+    coarse.width = fine.width / 2;
+    coarse.height = fine.height / 2;
     for (int y = 0; y < coarse.height; ++y)
       for (int x = 0; x < coarse.width; ++x)
         coarse.lab.push_back((fine.at(2 * x, 2 * y) + fine.at(2 * x + 1, 2 * y) + fine.at(2 * x, 2 * y + 1) +
@@ -85,10 +87,13 @@ std::vector<CropCell> cells_of(int width, int height, int sections, bool right, 
       for (int i = 0; i < across; ++i) {
         const int column = i * columns / across, row = j * rows / down;
         CropCell cell;
-        cell.section = s, cell.x = left + column * choice.crop, cell.y = top + row * choice.crop;
-        cell.columns = (i + 1) * columns / across - column, cell.rows = (j + 1) * rows / down - row;
-        cell.strip = static_cast<int>(((static_cast<std::int64_t>(s) * down + j) * across + i) * kStrips /
-                                      (static_cast<std::int64_t>(sections) * down * across));
+        cell.section = s;
+        cell.x = left + column * choice.crop;
+        cell.y = top + row * choice.crop;
+        cell.columns = (i + 1) * columns / across - column;
+        cell.rows = (j + 1) * rows / down - row;
+        cell.strip = ((static_cast<std::int64_t>(s) * down + j) * across + i) * kStrips /
+                     (static_cast<std::int64_t>(sections) * down * across);
         cell.odd = (i + j + s) % 2;
         cells.push_back(std::move(cell));
       }
@@ -96,8 +101,7 @@ std::vector<CropCell> cells_of(int width, int height, int sections, bool right, 
   for (std::size_t i = cells.size(); i > 1; --i) std::swap(cells[i - 1], cells[random.below(i)]);
   // Both colors of the checkerboard in turn, so that the first few cells have both.
   std::stable_partition(cells.begin(), cells.end(), [](const CropCell& c) { return !c.odd; });
-  const auto odd = static_cast<std::size_t>(
-      std::count_if(cells.begin(), cells.end(), [](const CropCell& c) { return c.odd; }));
+  const std::size_t odd = std::count_if(cells.begin(), cells.end(), [](const CropCell& c) { return c.odd; });
   const std::size_t even = cells.size() - odd, pairs = std::min(even, odd);
   std::vector<CropCell> mixed;
   for (std::size_t i = 0; i < pairs; ++i)

@@ -92,13 +92,20 @@ void add_bar(PlotSeries& s, std::size_t x, const Accuracy& a) {
 
 Plot bars_of(const std::array<Verdict, 2>& verdicts) {
   Plot plot;
-  plot.title = "Crops recognized, with standard errors", plot.y_label = "%";
-  plot.width = kWidth, plot.height = 320;
+  plot.title = "Crops recognized, with standard errors";
+  plot.y_label = "%";
+  plot.width = kWidth;
+  plot.height = 320;
   PlotSeries all, control, alone, chance;
-  all.kind = alone.kind = PlotSeries::Kind::Bars, control.kind = PlotSeries::Kind::Points;
-  all.name = "by all features of an observer", control.name = "control: parts of a from each other",
-  alone.name = "by one group of features alone", chance.name = "chance";
-  control.color = 6, alone.color = 5, chance.color = 1;
+  all.kind = alone.kind = PlotSeries::Kind::Bars;
+  control.kind = PlotSeries::Kind::Points;
+  all.name = "by all features of an observer";
+  control.name = "control: parts of a from each other";
+  alone.name = "by one group of features alone";
+  chance.name = "chance";
+  control.color = 6;
+  alone.color = 5;
+  chance.color = 1;
   for (const Verdict& v : verdicts) {
     add_bar(all, plot.x_words.size(), v.accuracy), add_bar(control, plot.x_words.size(), v.control);
     plot.x_words.push_back(v.observer);
@@ -107,7 +114,8 @@ Plot bars_of(const std::array<Verdict, 2>& verdicts) {
       plot.x_words.push_back(g.name);
     }
   }
-  chance.x = {-0.5, static_cast<double>(plot.x_words.size()) - 0.5}, chance.y = {50, 50};
+  chance.x = {-0.5, plot.x_words.size() - 0.5};
+  chance.y = {50, 50};
   plot.series = {all, control, alone, chance};
   return plot;
 }

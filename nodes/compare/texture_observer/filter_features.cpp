@@ -28,9 +28,9 @@ Eigen::MatrixXf random_patches(const std::array<CropRows, 2>& classes, int level
   for (int j = 0; j < count; ++j) {
     const CropRows& from = classes[j % 2];
     Random random(seed, 811 + level, j / 2);
-    const auto row = static_cast<std::size_t>(random.uniform() * static_cast<double>(from.rows.size()));
+    const auto row = static_cast<std::size_t>(random.uniform() * from.rows.size());
     const Crop& crop = from.set->crops[from.rows[row]];
-    const auto places = static_cast<std::uint64_t>((from.set->crop >> level) - kEdge + 1);
+    const std::uint64_t places = (from.set->crop >> level) - kEdge + 1;
     const int x = (crop.x >> level) + static_cast<int>(random.below(places)),
               y = (crop.y >> level) + static_cast<int>(random.below(places));
     copy_patch(from.set->cells[crop.cell].levels[level], x, y, out.col(j).data());
@@ -48,10 +48,15 @@ struct Pool {
     Filters up = Filters::Zero(), down = up, square = up, root = up;
     for (int k = first; k < first + count; ++k) {
       const Filters r = responses.col(k).array();
-      up += r.max(0.0f), down += (-r).max(0.0f), square += r * r, root += r.abs().sqrt();
+      up += r.max(0.0f);
+      down += (-r).max(0.0f);
+      square += r * r;
+      root += r.abs().sqrt();
     }
-    sums.col(0) += up.cast<double>(), sums.col(1) += down.cast<double>();
-    sums.col(2) += square.cast<double>(), sums.col(3) += root.cast<double>();
+    sums.col(0) += up.cast<double>();
+    sums.col(1) += down.cast<double>();
+    sums.col(2) += square.cast<double>();
+    sums.col(3) += root.cast<double>();
   }
   Eigen::RowVectorXd features(double count) const {
     Eigen::Array<double, kFilters, 4> out = sums / count;

@@ -36,7 +36,7 @@ std::array<std::uint8_t, 256> codes() {
       set += bits >> k & 1;
       changes += (bits >> k & 1) != (bits >> (k + 1) % 8 & 1);
     }
-    table[bits] = static_cast<std::uint8_t>(changes <= 2 ? set : 9);
+    table[bits] = changes <= 2 ? set : 9;
   }
   return table;
 }

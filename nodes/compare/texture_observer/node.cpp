@@ -48,9 +48,9 @@ void compute(Context& c) {
   const Image &a = c.input<Image>("a"), &b = c.input<Image>("b");
   check_scales(a, b);
   CropChoice choice;
-  choice.crop = static_cast<int>(c.integer("crop"));
-  choice.scale = static_cast<int>(c.integer("scale"));
-  choice.crops = static_cast<int>(c.integer("crops"));
+  choice.crop = c.integer("crop");
+  choice.scale = c.integer("scale");
+  choice.crops = c.integer("crops");
   choice.seed = c.seed();
   const Halves halves_a = halves_of(a, "a", choice, c.work().part(0, 0.05)),
                halves_b = halves_of(b, "b", choice, c.work().part(0.05, 0.1));

@@ -61,11 +61,11 @@ struct Examples {
 };
 
 Examples examples_of(const std::array<CropRows, 2>& classes, const FeatureTable& features) {
-  const auto n = static_cast<Eigen::Index>(classes[0].rows.size());
+  const Eigen::Index n = classes[0].rows.size();
   Examples out{Eigen::MatrixXd(2 * n, features.at(classes[0].set).cols()), Eigen::VectorXd(2 * n), {}};
   for (int k = 0; k < 2; ++k)
     for (Eigen::Index i = 0; i < n; ++i) {
-      const int row = classes[k].rows[static_cast<std::size_t>(i)];
+      const int row = classes[k].rows[i];
       out.x.row(k * n + i) = features.at(classes[k].set).row(row);
       out.y[k * n + i] = 2 * k - 1;
       out.strip.push_back(classes[k].set->cells[classes[k].set->crops[row].cell].strip);
@@ -98,8 +98,8 @@ Accuracy accuracy_of(const std::vector<JudgedCrop>& judged, const Exam& exam) {
     return j.score == 0 ? 0.5 : (j.score > 0) == j.of_b ? 1.0 : 0.0;
   };
   Accuracy out;
-  out.crops = static_cast<int>(judged.size());
-  const auto n = static_cast<double>(judged.size());
+  out.crops = judged.size();
+  const double n = judged.size();
   out.share = 0;
   for (const auto& j : judged) out.share += recognized(j);
   out.share /= n;
@@ -110,7 +110,8 @@ Accuracy accuracy_of(const std::vector<JudgedCrop>& judged, const Exam& exam) {
     const CropSet& set = *exam.trials[1 - j.half].judge[j.of_b].set;
     const int cell = set.crops[j.crop].cell;
     const double above = recognized(j) - out.share;
-    cells[{j.of_b, j.half, cell}] += above, strips[{j.of_b, j.half, set.cells[cell].strip}] += above;
+    cells[{j.of_b, j.half, cell}] += above;
+    strips[{j.of_b, j.half, set.cells[cell].strip}] += above;
   }
   double variance = std::max(out.share * (1 - out.share), 0.25 / n) / n;
   for (const auto* sums : {&cells, &strips}) {
@@ -134,7 +135,8 @@ const GroupAccuracy* Verdict::giveaway() const {
 
 std::array<Verdict, 2> observe(const Halves& a, const Halves& b, std::uint64_t seed, const Work& work) {
   std::array<Verdict, 2> verdicts;
-  verdicts[0].observer = "patterns", verdicts[1].observer = "features";
+  verdicts[0].observer = "patterns";
+  verdicts[1].observer = "features";
   const std::array<const std::vector<FeatureGroup>*, 2> groups{&pattern_groups(), &filter_groups()};
   FeatureTable patterns;
   for (const Halves* picture : {&a, &b})
@@ -189,8 +191,10 @@ std::array<Verdict, 2> observe(const Halves& a, const Halves& b, std::uint64_t s
       v.groups.push_back({fit.group.name, accuracy});
     else if (fit.control)
       v.control = accuracy;
-    else
-      v.accuracy = accuracy, v.judged = std::move(fit.judged);
+    else {
+      v.accuracy = accuracy;
+      v.judged = std::move(fit.judged);
+    }
   }
   return verdicts;
 }

@@ -24,7 +24,9 @@ struct EdgeMap {
 
 EdgeMap edges_of(const Patch& p, int step) {
   EdgeMap out;
-  out.strength.assign(p.lab.size(), 0), out.bin.assign(p.lab.size(), 0), out.direction = out.bin;
+  out.strength.assign(p.lab.size(), 0);
+  out.bin.assign(p.lab.size(), 0);
+  out.direction = out.bin;
   for (int y = step; y < p.height - step; ++y)
     for (int x = step; x < p.width - step; ++x) {
       const float u = p.at(x + step, y)[0] - p.at(x - step, y)[0],
@@ -35,13 +37,13 @@ EdgeMap edges_of(const Patch& p, int step) {
       out.bin[i] = static_cast<std::uint8_t>(std::clamp(std::floor(octave) + 1, 0.0f, kEdgeBins - 1.0f));
       // Centered bins: exact horizontals and verticals, common at 8 bits, are not at the border of two.
       const double turn = std::atan2(v, u) / M_PI + 1 + 0.5 / kDirections;
-      out.direction[i] = static_cast<std::uint8_t>(static_cast<int>(turn * kDirections) % kDirections);
+      out.direction[i] = static_cast<int>(turn * kDirections) % kDirections;
     }
   return out;
 }
 
 double quantile_of(const std::vector<float>& sorted, double u) {
-  return sorted[static_cast<std::size_t>(std::lround(u * static_cast<double>(sorted.size() - 1)))];
+  return sorted[std::lround(u * static_cast<double>(sorted.size() - 1))];
 }
 
 // One crop within its cell, and the row of features that is being filled.
@@ -60,7 +62,7 @@ struct Reader {
   // Mean square of second differences.
   double roughness(int channel, int step) const {
     double sum = 0;
-    const auto across = static_cast<std::size_t>(step), down = across * patch.width;
+    const std::size_t across = step, down = across * patch.width;
     each(step, [&](std::size_t i) {
       const auto v = [&](std::size_t k) { return patch.lab[k][channel]; };
       const float a = v(i - across) - 2 * v(i) + v(i + across), b = v(i - down) - 2 * v(i) + v(i + down);
@@ -74,10 +76,13 @@ void put_lightness(Reader& r) {
   std::vector<float> light;
   r.each(0, [&](std::size_t i) { light.push_back(r.patch.lab[i][0]); });
   std::sort(light.begin(), light.end());
-  const auto n = static_cast<double>(light.size());
+  const double n = light.size();
   double mean = 0, square = 0, cube = 0;
   for (float v : light) mean += v / n;
-  for (float v : light) square += (v - mean) * (v - mean) / n, cube += std::pow(v - mean, 3) / n;
+  for (float v : light) {
+    square += (v - mean) * (v - mean) / n;
+    cube += std::pow(v - mean, 3) / n;
+  }
   r.put(mean), r.put(std::sqrt(square)), r.put(cube / std::pow(square + kRoundingVariance, 1.5));
   for (double u : kRanks) r.put(quantile_of(light, u));
 }
@@ -88,10 +93,11 @@ void put_color(Reader& r) {
   Eigen::Matrix3d product = Eigen::Matrix3d::Zero();
   r.each(0, [&](std::size_t i) {
     const Eigen::Vector3d c = r.patch.lab[i].cast<double>();
-    mean += c, product += c * c.transpose();
+    mean += c;
+    product += c * c.transpose();
     chroma.push_back(static_cast<float>(std::hypot(c[1], c[2])));
   });
-  const auto n = static_cast<double>(chroma.size());
+  const double n = chroma.size();
   mean /= n;
   const Eigen::Matrix3d covariance = product / n - mean * mean.transpose();
   const Eigen::Array3d deviation = covariance.diagonal().array().max(0).sqrt();

@@ -41,18 +41,18 @@ double error_without(const Spectrum& a, const Eigen::VectorXd& y, const std::vec
     if (rows.empty()) continue;
     const Eigen::MatrixXd u = a.u(rows, Eigen::all);
     Eigen::MatrixXd rest = -u * shrink.matrix().asDiagonal() * u.transpose();
-    rest.array() -= 1.0 / static_cast<double>(y.size());  // the mean is learned, too
+    rest.array() -= 1.0 / y.size();  // the mean is learned, too
     rest.diagonal().array() += 1;
     error += rest.ldlt().solve(Eigen::VectorXd(residual(rows))).squaredNorm();
   }
-  return error / static_cast<double>(y.size());
+  return error / y.size();
 }
 
 }  // namespace
 
 Ridge::Ridge(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const std::vector<int>& strip,
              const Work& work) {
-  const auto n = static_cast<double>(x.rows());
+  const double n = x.rows();
   mean_ = x.colwise().mean();
   Eigen::MatrixXd z = x.rowwise() - mean_;
   scale_ = (z.colwise().squaredNorm() / n).array().sqrt();
@@ -67,7 +67,10 @@ Ridge::Ridge(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const std::vect
     if (!blocks) break;  // nothing to predict a strip from
     work.check();
     const double error = error_without(spectrum, y, strip, n * penalty);
-    if (error < least) least = error, best = n * penalty;
+    if (error < least) {
+      least = error;
+      best = n * penalty;
+    }
   }
   const Eigen::VectorXd along =
       (spectrum.u.transpose() * y).array() / (spectrum.s2 + best);  // XᵀU (S² + λ)⁻¹ Uᵀ y

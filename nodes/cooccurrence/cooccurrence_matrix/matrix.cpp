@@ -37,15 +37,18 @@ Image slice_figure(const Cooccurrence& m, int extent, int level) {
   for (const bool down : {true, false}) {
     Plot p;
     p.title = down ? "Slice through the matrix, dx = 0" : "Slice through the matrix, dy = 0";
-    p.x_label = down ? "dy, pixels" : "dx, pixels", p.y_label = "probability";
-    p.width = 560, p.height = 420;
+    p.x_label = down ? "dy, pixels" : "dx, pixels";
+    p.y_label = "probability";
+    p.width = 560;
+    p.height = 420;
     for (int l = level ? level - 1 : 0; l < (level ? level : m.levels); ++l) {
       PlotSeries& s = p.series.emplace_back();
-      s.name = fmt::format("level {}", l + 1), s.color = l;
+      s.name = fmt::format("level {}", l + 1);
+      s.color = l;
       for (int i = -extent; i <= extent; ++i) {
         const int row = down ? i + extent : extent, column = down ? extent : i + extent;
         s.x.push_back(i);
-        s.y.push_back(probability(m, static_cast<std::size_t>(row * edge + column), l, l));
+        s.y.push_back(probability(m, row * edge + column, l, l));
       }
     }
     plots.push_back(std::move(p));

@@ -16,12 +16,12 @@ void measure_matrix(Context& c) {
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
     if (mask.empty() || mask[i]) pixels.push_back(picture.pixels[i]);
   if (pixels.empty()) throw Error("no-pixels", "the mask excludes every pixel of the picture");
-  const int wanted = static_cast<int>(c.integer("levels")), extent = static_cast<int>(c.integer("extent"));
+  const int wanted = c.integer("levels"), extent = c.integer("extent");
   const ColorLevels levels =
       color_levels(pixels, wanted, c.choice<ColorSpace>("space"), c.seed(), c.work().quiet());
   if (levels.count() < wanted)
     c.warn(fmt::format("the picture has only {} different colors; levels is {}", levels.count(), wanted));
-  const auto level = static_cast<int>(c.optional_integer("level").value_or(0));
+  const int level = c.optional_integer("level").value_or(0);
   if (level > levels.count())
     throw Error("bad-value", fmt::format("the picture has {} levels; level is {}", levels.count(), level),
                 "choose a smaller level")

@@ -47,17 +47,20 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
     std::vector<PairTarget> out;
     const std::int64_t voxels = static_cast<std::int64_t>(size.x()) * size.y() * size.z();
     for (int axis = 0; axis < 3; ++axis) {
-      auto own = measure_apart(sections[static_cast<std::size_t>(axis)], levels, flat, stride, work.quiet());
+      auto own = measure_apart(sections[axis], levels, flat, stride, work.quiet());
       if (!own) return std::vector<PairTarget>();
       for (std::size_t d = 0; d < flat.size(); ++d)
         out.push_back({offset_across(axis, flat[d]), scaled_counts(*own, d, voxels)});
-      if (stride == 1) wanted[static_cast<std::size_t>(axis)] = *std::move(own);
+      if (stride == 1) wanted[axis] = *std::move(own);
     }
     return out;
   };
   DescentSettings descent;
-  descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps;
-  descent.start = s.start, descent.seed = s.seed;
+  descent.levels = levels;
+  descent.reach = reach;
+  descent.sweeps = s.sweeps;
+  descent.start = s.start;
+  descent.seed = s.seed;
   DescentResult found = descend(all, s.size, targets, descent, work);
   r.noise_error = found.noise_error;
   r.sweeps = std::move(found.sweeps);
@@ -66,8 +69,7 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
     std::vector<Vec3i> offsets;
     for (const auto& o : flat) offsets.push_back(offset_across(axis, o));
     Cooccurrence have = measure_cooccurrence(r.field, levels, offsets, true, work.quiet());
-    r.axis_error[static_cast<std::size_t>(axis)] =
-        cooccurrence_error(have, wanted[static_cast<std::size_t>(axis)]);
+    r.axis_error[axis] = cooccurrence_error(have, wanted[axis]);
   }
   return r;
 }

@@ -25,9 +25,13 @@ void compute(Context& c) {
   if (const auto* y = c.optional<Image>("image_y")) pictures[1] = y;
   if (const auto* z = c.optional<Image>("image_z")) pictures[2] = z;
   SolidFieldSettings s;
-  s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
-  s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.space = c.choice<ColorSpace>("space"), s.start = c.choice<Start>("start"), s.seed = c.seed();
+  s.levels = c.integer("levels");
+  s.extent = c.integer("extent");
+  s.scales = c.integer("scales");
+  s.sweeps = c.integer("sweeps");
+  s.space = c.choice<ColorSpace>("space");
+  s.start = c.choice<Start>("start");
+  s.seed = c.seed();
   s.size = one_or_three(c, "size");
   const SolidFieldResult r = synthesize_solid(pictures, s, c.work().part(0, 0.95));
 

@@ -49,8 +49,12 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   std::vector<const LevelField*> all;
   for (const auto& f : sections) all.push_back(&f);
   DescentSettings descent;
-  descent.levels = levels, descent.reach = reach, descent.sweeps = s.sweeps, descent.periodic = s.tileable;
-  descent.start = s.start, descent.seed = s.seed;
+  descent.levels = levels;
+  descent.reach = reach;
+  descent.sweeps = s.sweeps;
+  descent.periodic = s.tileable;
+  descent.start = s.start;
+  descent.seed = s.seed;
   DescentResult found = descend(all, Vec3i(width, height, 1), targets, descent, work);
   r.noise_error = found.noise_error;
   r.sweeps = std::move(found.sweeps);

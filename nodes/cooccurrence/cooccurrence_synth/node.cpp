@@ -13,8 +13,11 @@ namespace {
 // The paper's figure 3: error and changed pixels per sweep, for each resolution.
 Image figure_of(const SynthResult& r) {
   Plot error, changed;
-  error.title = "Error of the co-occurrence matrix", error.y_label = "E", error.log_y = true;
-  changed.title = "Pixels changed", changed.y_label = "pixels";
+  error.title = "Error of the co-occurrence matrix";
+  error.y_label = "E";
+  error.log_y = true;
+  changed.title = "Pixels changed";
+  changed.y_label = "pixels";
   error.x_label = changed.x_label = "sweep";
   for (const DescentSweep& s : r.sweeps) {
     if (s.sweep == 0)
@@ -29,21 +32,29 @@ Image figure_of(const SynthResult& r) {
       changed.series.back().x.push_back(s.sweep),
           changed.series.back().y.push_back(static_cast<double>(s.changed));
   }
-  for (Plot* p : {&error, &changed}) p->width = 480, p->height = 360;
+  for (Plot* p : {&error, &changed}) {
+    p->width = 480;
+    p->height = 360;
+  }
   return draw({error, changed}, 2);
 }
 
 void compute(Context& c) {
   const Image& source = c.input<Image>("image");
   SynthSettings s;
-  s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
-  s.scales = static_cast<int>(c.integer("scales")), s.sweeps = static_cast<int>(c.integer("sweeps"));
-  s.finish = c.choice<Finish>("finish"), s.start = c.choice<Start>("start");
-  s.tileable = c.boolean("tileable"), s.space = c.choice<ColorSpace>("space");
+  s.levels = c.integer("levels");
+  s.extent = c.integer("extent");
+  s.scales = c.integer("scales");
+  s.sweeps = c.integer("sweeps");
+  s.finish = c.choice<Finish>("finish");
+  s.start = c.choice<Start>("start");
+  s.tileable = c.boolean("tileable");
+  s.space = c.choice<ColorSpace>("space");
   s.seed = c.seed();
   if (c.keyword("size").empty()) {
     const auto size = c.ints("size");
-    s.width = static_cast<int>(size.front()), s.height = static_cast<int>(size.back());
+    s.width = size.front();
+    s.height = size.back();
   }
   std::vector<std::uint8_t> mask;
   if (c.has("mask")) mask = mask_of(c.value("mask"), source, "mask");
@@ -57,7 +68,7 @@ void compute(Context& c) {
   c.metric("error_start", r.noise_error);
   c.metric("error", r.sweeps.back().error);
   c.metric("sweeps", r.sweeps.back().sweep);
-  c.metric("last_changed", static_cast<double>(r.sweeps.back().changed));
+  c.metric("last_changed", r.sweeps.back().changed);
   Image first(source.width, source.height, 1, source.pixel_size);
   std::copy_n(source.pixels.begin(), first.pixels.size(), first.pixels.begin());
   TexturePart from{&first, mask};

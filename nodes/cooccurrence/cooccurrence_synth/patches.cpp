@@ -20,17 +20,17 @@ class Usage {
     for (std::size_t d = 0; d < offsets_.size(); ++d)
       for (int i = 0; i < levels_ * levels_; ++i)
         share_.push_back(static_cast<float>(static_cast<double>(wanted.counts[d * levels_ * levels_ + i]) /
-                                            static_cast<double>(wanted.pairs[d])));
+                                            wanted.pairs[d]));
   }
 
   // For each level: how often it occurs beside this pixel's neighbors over how often it should, to the power
   // of 1.5.
   void overuse(int x, int y, std::vector<float>& use) const {
-    const float little = 1e-3f * static_cast<float>(offsets_.size());
+    const float little = 1e-3f * offsets_.size();
     std::vector<float> want(use.size(), little);
     std::fill(use.begin(), use.end(), little);
     for (std::size_t d = 0; d < offsets_.size(); ++d) {
-      const float k = 1.0f / static_cast<float>(now_.pairs[d]);
+      const float k = 1.0f / now_.pairs[d];
       const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()),
                 before = level_at(x - offsets_[d].x(), y - offsets_[d].y());
       for (int t = 0; t < levels_; ++t) {
@@ -38,28 +38,37 @@ class Usage {
         if (before >= 0) take(now_.at(d, before, t), k, use[t], want[t]);
       }
     }
-    for (std::size_t t = 0; t < use.size(); ++t) use[t] /= want[t], use[t] *= std::sqrt(use[t]);
+    for (std::size_t t = 0; t < use.size(); ++t) {
+      use[t] /= want[t];
+      use[t] *= std::sqrt(use[t]);
+    }
   }
 
   // Call before the field's pixel changes.
   void change(int x, int y, int from, int to) {
     for (std::size_t d = 0; d < offsets_.size(); ++d) {
-      if (const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()); after >= 0)
-        --now_.counts[now_.at(d, from, after)], ++now_.counts[now_.at(d, to, after)];
-      if (const int before = level_at(x - offsets_[d].x(), y - offsets_[d].y()); before >= 0)
-        --now_.counts[now_.at(d, before, from)], ++now_.counts[now_.at(d, before, to)];
+      if (const int after = level_at(x + offsets_[d].x(), y + offsets_[d].y()); after >= 0) {
+        --now_.counts[now_.at(d, from, after)];
+        ++now_.counts[now_.at(d, to, after)];
+      }
+      if (const int before = level_at(x - offsets_[d].x(), y - offsets_[d].y()); before >= 0) {
+        --now_.counts[now_.at(d, before, from)];
+        ++now_.counts[now_.at(d, before, to)];
+      }
     }
   }
 
  private:
   void take(std::size_t entry, float k, float& use, float& want) const {
-    use += static_cast<float>(now_.counts[entry]) * k, want += share_[entry];
+    use += now_.counts[entry] * k;
+    want += share_[entry];
   }
   int level_at(int x, int y) const {
     const int w = field_.size.x(), h = field_.size.y();
     if (x < 0 || y < 0 || x >= w || y >= h) {
       if (!periodic_) return -1;
-      x = (x + w) % w, y = (y + h) % h;
+      x = (x + w) % w;
+      y = (y + h) % h;
     }
     return field_.at[field_.index(x, y)];
   }
@@ -135,14 +144,18 @@ std::vector<std::uint32_t> patch_sources(const Image& source, const std::vector<
         const auto try_source = [&](std::uint32_t s) {
           if (level[s] == kNoLevel) return;
           const float m = use[level[s]] * mismatch(x, y, s, least / use[level[s]]);
-          if (m < least) least = m, best = s;
+          if (m < least) {
+            least = m;
+            best = s;
+          }
         };
         for (int v = -1; v <= 1; ++v)
           for (int u = -1; u <= 1; ++u) {
             int px = x + u, py = y + v;
             if (px < 0 || py < 0 || px >= w || py >= h) {
               if (!periodic) continue;
-              px = (px + w) % w, py = (py + h) % h;
+              px = (px + w) % w;
+              py = (py + h) % h;
             }
             const std::size_t q = field.index(px, py);
             if (!known[q] || q == p) continue;
@@ -156,7 +169,9 @@ std::vector<std::uint32_t> patch_sources(const Image& source, const std::vector<
         if (least >= 1e30f) continue;
         if (level[best] != field.at[p]) usage.change(x, y, field.at[p], level[best]);
         field.at[p] = level[best];
-        from[p] = best, now[p] = positions[best], known[p] = 1;
+        from[p] = best;
+        now[p] = positions[best];
+        known[p] = 1;
       }
     }
   return from;

@@ -26,7 +26,8 @@ void compute(Context& c) {
     for (const auto p : footprint_of(strokes.strokes[k], picture.width, picture.height))
       for (int s = 0; s < picture.sections; ++s) {
         const std::size_t i = static_cast<std::size_t>(s) * picture.width * picture.height + p;
-        picture.pixels[i] = colors[std::min(k, colors.size() - 1)], mask.pixels[i] = Vec3f::Ones();
+        picture.pixels[i] = colors[std::min(k, colors.size() - 1)];
+        mask.pixels[i] = Vec3f::Ones();
       }
   }
   c.output("mask", std::move(mask));

@@ -31,7 +31,7 @@ void compute(Context& c) {
       for (auto& p : part) p *= scale;
   }
   if (out.strokes.empty()) c.warn("the file contains no strokes");
-  c.metric("strokes", static_cast<double>(out.strokes.size()));
+  c.metric("strokes", out.strokes.size());
   c.output("strokes", std::move(out));
 }
 

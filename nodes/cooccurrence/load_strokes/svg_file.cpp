@@ -181,8 +181,7 @@ void collect(const pugi::xml_node& parent, const Affine& outer, const Style& inh
 Strokes read_svg(const std::filesystem::path& file, const Reading& reading) {
   // Covers the text and the document, whose smallest element has four characters and uses 64 bytes.
   const std::string text = read_whole(file, reading);
-  require_memory(20.0 * static_cast<double>(text.size()), reading.memory,
-                 "the drawing '" + file.string() + "'");
+  require_memory(20.0 * text.size(), reading.memory, "the drawing '" + file.string() + "'");
   pugi::xml_document document;
   const auto result = document.load_buffer(text.data(), text.size());
   if (!result) throw bad(fmt::format("not valid XML: {} at byte {}", result.description(), result.offset));

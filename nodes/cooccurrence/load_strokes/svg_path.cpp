@@ -24,7 +24,7 @@ class Scanner {
     skip();
     return at_ >= end_;
   }
-  std::size_t position() const { return static_cast<std::size_t>(at_ - begin_); }
+  std::size_t position() const { return at_ - begin_; }
   // The next letter, or 0 if a number follows.
   char letter() {
     skip();
@@ -107,7 +107,11 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
     return out;
   };
   const auto line = [&]() -> std::vector<Vec2>& {
-    if (!open) out.push_back({at}), first = at, open = true;
+    if (!open) {
+      out.push_back({at});
+      first = at;
+      open = true;
+    }
     return out.back();
   };
   std::size_t finished = 0, counted = 0;  // points of the subpaths before the last
@@ -122,7 +126,7 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
       return fail("a number without a command");
     else if (command == 'M' || command == 'm')
       command = command == 'M' ? 'L' : 'l';
-    const char kind = static_cast<char>(std::toupper(static_cast<unsigned char>(command)));
+    const char kind = std::toupper(static_cast<unsigned char>(command));
     if (before == 0 && kind != 'M') return fail("the path does not begin with M");
     const Vec2 origin = std::islower(static_cast<unsigned char>(command)) ? at : Vec2::Zero();
     const auto point = [&](Vec2& p) {
@@ -134,7 +138,8 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
     switch (kind) {
       case 'M':
         if (!point(a)) return fail("a point is missing");
-        at = first = a, open = false;
+        at = first = a;
+        open = false;
         line();
         break;
       case 'L':
@@ -145,20 +150,25 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
         if (kind == 'L' ? !point(a) : !in.number(d)) return fail("a coordinate is missing");
         if (kind == 'H') a.x() = origin.x() + d;
         if (kind == 'V') a.y() = origin.y() + d;
-        line().push_back(a), at = a;
+        line().push_back(a);
+        at = a;
         break;
       }
       case 'C':
       case 'S':
         a = kind == 'S' && (before == 'C' || before == 'S') ? Vec2(2 * at - control) : at;
         if ((kind == 'C' && !point(a)) || !point(b) || !point(c)) return fail("a point is missing");
-        cubic(line(), at, a, b, c, tolerance), control = b, at = c;
+        cubic(line(), at, a, b, c, tolerance);
+        control = b;
+        at = c;
         break;
       case 'Q':
       case 'T':
         a = kind == 'T' && (before == 'Q' || before == 'T') ? Vec2(2 * at - control) : at;
         if ((kind == 'Q' && !point(a)) || !point(c)) return fail("a point is missing");
-        cubic(line(), at, at + 2.0 / 3 * (a - at), c + 2.0 / 3 * (a - c), c, tolerance), control = a, at = c;
+        cubic(line(), at, at + 2.0 / 3 * (a - at), c + 2.0 / 3 * (a - c), c, tolerance);
+        control = a;
+        at = c;
         break;
       case 'A': {
         Vec2 radii;
@@ -173,7 +183,9 @@ std::vector<std::vector<Vec2>> read_path(const std::string& data, double toleran
         break;
       }
       case 'Z':
-        line().push_back(first), at = first, open = false;
+        line().push_back(first);
+        at = first;
+        open = false;
         break;
       default:
         return fail("an unknown command");

@@ -75,8 +75,7 @@ Strokes read_yaml(const std::filesystem::path& file, const Reading& reading) {
   // yaml-cpp does not know lines that end with CR alone.
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\r' && (i + 1 == text.size() || text[i + 1] != '\n')) text[i] = '\n';
-  require_memory(200.0 * static_cast<double>(text.size()), reading.memory,
-                 "the strokes in '" + file.string() + "'");
+  require_memory(200.0 * text.size(), reading.memory, "the strokes in '" + file.string() + "'");
   std::size_t left = reading.memory / (4 * sizeof(Vec2));
   try {
     const YAML::Node root = YAML::Load(text);

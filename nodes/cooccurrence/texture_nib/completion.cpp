@@ -42,9 +42,7 @@ class UseCount {
   struct Entry {
     std::int32_t source = -1, count = 0;
   };
-  std::size_t slot(std::int32_t source) const {
-    return mix64(static_cast<std::uint64_t>(source)) & (entry_.size() - 1);
-  }
+  std::size_t slot(std::int32_t source) const { return mix64(source) & (entry_.size() - 1); }
   // Drops entries that are no longer in use.
   void grow() {
     std::vector<Entry> old(2 * entry_.size());
@@ -59,7 +57,8 @@ class UseCount {
 
 SourceLevel halved(const SourceLevel& in) {
   SourceLevel out;
-  out.width = in.width / 2, out.height = in.height / 2;
+  out.width = in.width / 2;
+  out.height = in.height / 2;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       const std::size_t i = static_cast<std::size_t>(2 * y) * in.width + 2 * x, below = i + in.width;
@@ -93,7 +92,8 @@ void prepare(SourceLevel& s) {
 
 HolePicture halved(const HolePicture& in) {
   HolePicture out;
-  out.width = (in.width + 1) / 2, out.height = (in.height + 1) / 2;
+  out.width = (in.width + 1) / 2;
+  out.height = (in.height + 1) / 2;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       Vec3f sum = Vec3f::Zero();
@@ -101,7 +101,8 @@ HolePicture halved(const HolePicture& in) {
       for (int v = 2 * y; v < std::min(2 * y + 2, in.height); ++v)
         for (int u = 2 * x; u < std::min(2 * x + 2, in.width); ++u, ++all) {
           const std::size_t i = static_cast<std::size_t>(v) * in.width + u;
-          known += in.state[i] == HoleState::Known, hole += in.state[i] == HoleState::Hole;
+          known += in.state[i] == HoleState::Known;
+          hole += in.state[i] == HoleState::Hole;
           sum += in.color[i];
         }
       out.color.push_back(sum / float(all));
@@ -124,13 +125,19 @@ std::vector<int> depth_of(const HolePicture& t) {
     if (t.state[i] != HoleState::Hole) continue;
     bool rim = false;
     beside(i, [&](std::size_t q) { rim |= t.state[q] == HoleState::Known; });
-    if (rim) ring.push_back(i), depth[i] = 1;
+    if (rim) {
+      ring.push_back(i);
+      depth[i] = 1;
+    }
   }
   for (int d = 2; !ring.empty(); ++d, ring.swap(next)) {
     next.clear();
     for (const auto i : ring)
       beside(i, [&](std::size_t q) {
-        if (t.state[q] == HoleState::Hole && depth[q] == 0) depth[q] = d, next.push_back(q);
+        if (t.state[q] == HoleState::Hole && depth[q] == 0) {
+          depth[q] = d;
+          next.push_back(q);
+        }
       });
   }
   int deepest = 1;
@@ -170,7 +177,10 @@ class Filler {
       check(k);
       const auto p = order[k];
       search(p, 0, tries);
-      if (t_.state[p] == HoleState::Hole) t_.color[p] = s_.color[match_[p]], known_[p] = 1;
+      if (t_.state[p] == HoleState::Hole) {
+        t_.color[p] = s_.color[match_[p]];
+        known_[p] = 1;
+      }
     }
   }
   // Starts from the next coarser level's matches, so that means continue from there.
@@ -229,14 +239,21 @@ class Filler {
             visit(q, from, weight[q]);
           }
       };
-      each([&](std::size_t, int from, float w) { sum += w * s_.color[from], total += w; });
+      each([&](std::size_t, int from, float w) {
+        sum += w * s_.color[from];
+        total += w;
+      });
       const Vec3f middle = sum / total;
       now[p] = middle;
       if (mean) continue;
       float least = 1e30f;
       each([&](std::size_t q, int from, float w) {
         const float d = (s_.color[from] - middle).squaredNorm() + (q == p ? 0 : 1e-9f);
-        if (w > 0 && d < least) least = d, chosen_[p] = from, now[p] = s_.color[from];
+        if (w > 0 && d < least) {
+          least = d;
+          chosen_[p] = from;
+          now[p] = s_.color[from];
+        }
       });
     }
     t_.color = std::move(now);
@@ -265,11 +282,12 @@ class Filler {
   }
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * t_.width + x; }
   std::int32_t random_center(std::size_t p, int round) const {
-    Random r(seed_, stream_ + static_cast<std::uint64_t>(round), p);
-    return static_cast<std::int32_t>(s_.centers[r.below(s_.centers.size())]);
+    Random r(seed_, stream_ + round, p);
+    return s_.centers[r.below(s_.centers.size())];
   }
   std::int32_t nearest_usable(int x, int y) const {
-    x = std::clamp(x, kReach, s_.width - 1 - kReach), y = std::clamp(y, kReach, s_.height - 1 - kReach);
+    x = std::clamp(x, kReach, s_.width - 1 - kReach);
+    y = std::clamp(y, kReach, s_.height - 1 - kReach);
     for (int r = 0; r <= 3; ++r)
       for (int v = -r; v <= r; ++v)
         for (int u = -r; u <= r; ++u) {
@@ -301,7 +319,7 @@ class Filler {
     int n = 0;
     for (int v = std::max(-kReach, -y); v <= std::min(kReach, t_.height - 1 - y); ++v) {
       const std::size_t row = at(x, y + v);
-      const Vec3f* source = &s_.color[static_cast<std::size_t>(m + v * s_.width)];
+      const Vec3f* source = &s_.color[m + v * s_.width];
       for (int u = u0; u <= u1; ++u) {
         if (!known_[row + u]) continue;
         ++n;
@@ -323,7 +341,10 @@ class Filler {
     const auto attempt = [&](std::int32_t m) {
       if (m == best) return;
       const float d = price(p, m, least);
-      if (d < least) least = d, best = m;
+      if (d < least) {
+        least = d;
+        best = m;
+      }
     };
     for (int v = -1; v <= 1; ++v)
       for (int u = -1; u <= 1; ++u) {
@@ -364,7 +385,10 @@ class Filler {
 SourcePyramid source_pyramid(int width, int height, const std::vector<Vec3f>& color,
                              const std::vector<std::uint8_t>& inside) {
   SourcePyramid out(1);
-  out[0].width = width, out[0].height = height, out[0].color = color, out[0].inside = inside;
+  out[0].width = width;
+  out[0].height = height;
+  out[0].color = color;
+  out[0].inside = inside;
   prepare(out[0]);
   while (out.back().width >= 2 * kSide && out.back().height >= 2 * kSide) {
     SourceLevel next = halved(out.back());
@@ -387,9 +411,7 @@ std::vector<std::int32_t> complete(const SourcePyramid& source, HolePicture pict
   }
   std::unique_ptr<Filler> before;
   for (std::size_t level = target.size(); level-- > 0;) {
-    const auto stream = [&](int k) {
-      return mix64(0x6c6f6f6b + item * 64 + level * 8 + static_cast<std::uint64_t>(k));
-    };
+    const auto stream = [&](int k) { return mix64(0x6c6f6f6b + item * 64 + level * 8 + k); };
     const bool coarsest = level + 1 == target.size();
     std::unique_ptr<Filler> now;
     if (coarsest) {

@@ -15,7 +15,7 @@ void Nib::restore_detail(const std::vector<std::uint32_t>& footprint, const Work
   else
     find_colors(footprint, work);
   for (const auto p : footprint) {
-    const auto s = static_cast<std::size_t>(source_[p]);
+    const std::size_t s = source_[p];
     picture_.pixels[p] = texture_.colors[s];
     position_[p] = texture_.positions[s];
   }
@@ -75,9 +75,12 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
       std::int32_t best = source_[p];
       float least = best >= 0 ? mismatch(x, y, best % w, best / w, 1e30f) : 1e30f;
       const auto try_source = [&](std::int32_t s) {
-        if (s == best || texture_.level[static_cast<std::size_t>(s)] != level) return;
+        if (s == best || texture_.level[s] != level) return;
         const float m = mismatch(x, y, s % w, s / w, least);
-        if (m < least) least = m, best = s;
+        if (m < least) {
+          least = m;
+          best = s;
+        }
       };
       for (int v = -1; v <= 1; ++v)
         for (int u = -1; u <= 1; ++u) {
@@ -93,12 +96,12 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
           if (sx < 0 || sy < 0 || sx >= w || sy >= h || (sx == x && sy == y)) continue;
           try_source(sy * w + sx);
         }
-      const auto& same = texture_.pixels_of[static_cast<std::size_t>(level)];
+      const auto& same = texture_.pixels_of[level];
       Random random(dab_settings_.seed, 0x91b2 + static_cast<std::uint64_t>(round), (dabs_ << 32) + p);
       for (int r = 0; r < random_tries; ++r)
         try_source(static_cast<std::int32_t>(same[random.below(same.size())]));
       source_[p] = best;
-      position_[p] = texture_.positions[static_cast<std::size_t>(best)];
+      position_[p] = texture_.positions[best];
     }
 }
 

@@ -35,9 +35,9 @@ Nib::Nib(Image picture, NibTexture texture, DabSettings dab_settings)
     float d = 0;
     const int k = texture_.levels.nearest(position_[i], &d);
     if (d > most) continue;
-    base_[i] = static_cast<std::uint8_t>(k);
+    base_[i] = k;
     if (dab_settings_.pairs == Pairs::Painted) continue;
-    level_[(i / picture_.width + pad_) * stride_ + i % picture_.width + pad_] = static_cast<std::uint8_t>(k);
+    level_[(i / picture_.width + pad_) * stride_ + i % picture_.width + pad_] = k;
   }
   for (const auto& o : texture_.offsets)
     step_.push_back(static_cast<std::ptrdiff_t>(o.y()) * stride_ + o.x());
@@ -49,7 +49,9 @@ Rectangle Nib::bounds(const std::vector<std::uint32_t>& pixels) const {
   Rectangle r{picture_.width, picture_.height, 0, 0};
   for (const auto p : pixels) {
     const int x = static_cast<int>(p) % picture_.width, y = static_cast<int>(p) / picture_.width;
-    r.x0 = std::min(r.x0, x), r.y0 = std::min(r.y0, y), r.x1 = std::max(r.x1, x + 1),
+    r.x0 = std::min(r.x0, x);
+    r.y0 = std::min(r.y0, y);
+    r.x1 = std::max(r.x1, x + 1);
     r.y1 = std::max(r.y1, y + 1);
   }
   return pixels.empty() ? Rectangle{} : r;
@@ -65,11 +67,13 @@ void Nib::add(std::uint32_t pixel, int level, int sign, bool painted_only) {
     std::int32_t *home = &by_home_[d * rows], *remote = &by_remote_[d * rows];
     const std::size_t after = at + step_[d], before = at - step_[d];
     if (const int r = level_[after]; r < levels && (!painted_only || painted_[after])) {
-      home[level * width + r] += sign, remote[r * width + level] += sign;
+      home[level * width + r] += sign;
+      remote[r * width + level] += sign;
       pairs_[d] += sign;
     }
     if (const int r = level_[before]; r < levels && (!painted_only || painted_[before])) {
-      home[r * width + level] += sign, remote[level * width + r] += sign;
+      home[r * width + level] += sign;
+      remote[level * width + r] += sign;
       pairs_[d] += sign;
     }
   }
@@ -79,8 +83,7 @@ void Nib::clear(std::uint32_t pixel) {
   if (base_[pixel] == kNoLevel) return;
   if (dab_settings_.pairs == Pairs::Touching) add(pixel, base_[pixel], -1, true);
   base_[pixel] = kNoLevel;
-  level_[(pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_] =
-      static_cast<std::uint8_t>(texture_.levels.count());
+  level_[(pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_] = texture_.levels.count();
 }
 
 // Returns the level with the least error, or −1 if no neighbor has a level. With the pixel taken out and K
@@ -100,7 +103,7 @@ int Nib::best_level(std::uint32_t pixel) const {
     const int ends = (after < levels) + (before < levels);
     if (ends == 0) continue;
     known = true;
-    const float k = 1.0f / static_cast<float>(pairs_[d] + ends);
+    const float k = 1.0f / (pairs_[d] + ends);
     const std::size_t a = d * rows + static_cast<std::size_t>(after) * width,
                       b = d * rows + static_cast<std::size_t>(before) * width;
     const auto *counts_a = reinterpret_cast<const Eight*>(&by_remote_[a]),
@@ -140,8 +143,8 @@ void Nib::visit(std::uint32_t pixel, std::uint64_t item) {
   }
   if (t < 0) {
     const double u = Random(dab_settings_.seed, 0x91b0 + dabs_, item).uniform();
-    t = static_cast<int>(std::upper_bound(texture_.histogram.begin(), texture_.histogram.end(), u) -
-                         texture_.histogram.begin());
+    t = std::upper_bound(texture_.histogram.begin(), texture_.histogram.end(), u) -
+        texture_.histogram.begin();
     t = std::min(t, levels - 1);
   }
   place(pixel, t);
@@ -150,7 +153,7 @@ void Nib::visit(std::uint32_t pixel, std::uint64_t item) {
 void Nib::place(std::uint32_t pixel, int level) {
   const std::size_t at = (pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_;
   add(pixel, level, 1, false);
-  level_[at] = base_[pixel] = static_cast<std::uint8_t>(level);
+  level_[at] = base_[pixel] = level;
   painted_[at] = occupied_[pixel] = 1;
 }
 
@@ -172,8 +175,7 @@ Rectangle Nib::dab(const std::vector<std::uint32_t>& footprint, const Work& work
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (i % 1024 == 0) {
         work.check();
-        work.progress((pass + static_cast<double>(i) / static_cast<double>(order.size())) /
-                      dab_settings_.passes);
+        work.progress((pass + static_cast<double>(i) / order.size()) / dab_settings_.passes);
       }
       visit(order[i], i);
     }
@@ -192,9 +194,9 @@ Rectangle Nib::paint(const Stroke& s, const Work& work) {
   begin_stroke(s.radius);
   Rectangle all;
   for (std::size_t i = 0; i < s.parts[0].size(); ++i) {
-    const Rectangle r = extend_stroke(
-        s.parts[0][i], work.part(static_cast<double>(i) / static_cast<double>(s.parts[0].size()),
-                                 static_cast<double>(i + 1) / static_cast<double>(s.parts[0].size())));
+    const Rectangle r =
+        extend_stroke(s.parts[0][i], work.part(static_cast<double>(i) / s.parts[0].size(),
+                                               static_cast<double>(i + 1) / s.parts[0].size()));
     if (r.x1 <= r.x0) continue;
     if (all.x1 <= all.x0) all = r;
     all = {std::min(all.x0, r.x0), std::min(all.y0, r.y0), std::max(all.x1, r.x1), std::max(all.y1, r.y1)};
@@ -204,13 +206,15 @@ Rectangle Nib::paint(const Stroke& s, const Work& work) {
 
 void Nib::begin_stroke(double radius) {
   check_stroke({{{Vec2::Zero()}}, radius, false});
-  radius_ = radius, first_point_ = true;
+  radius_ = radius;
+  first_point_ = true;
 }
 
 Rectangle Nib::extend_stroke(const Vec2& point, const Work& work) {
   check_stroke({{{point}}, radius_, false});
   const Vec2 from = first_point_ ? point : last_point_;
-  last_point_ = point, first_point_ = false;
+  last_point_ = point;
+  first_point_ = false;
   return dab(capsule(picture_.width, picture_.height, from, point, radius_), work);
 }
 
@@ -220,14 +224,12 @@ std::vector<std::int32_t> Nib::counts() const {
   for (std::size_t d = 0; d < step_.size(); ++d)
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r)
-        out.push_back(by_home_[(d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) *
-                                   texture_.width +
-                               r]);
+        out.push_back(by_home_[(d * static_cast<std::size_t>(levels + 1) + h) * texture_.width + r]);
   return out;
 }
 
 std::vector<std::int32_t> Nib::fresh_counts() const {
-  const auto levels = static_cast<std::size_t>(texture_.levels.count());
+  const std::size_t levels = texture_.levels.count();
   std::vector<std::int32_t> out(step_.size() * levels * levels, 0);
   for (std::size_t d = 0; d < step_.size(); ++d)
     for (int y = 0; y < picture_.height; ++y)
@@ -250,10 +252,8 @@ double Nib::error() const {
     if (pairs_[d] == 0) continue;
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const std::size_t i =
-            (d * static_cast<std::size_t>(levels + 1) + static_cast<std::size_t>(h)) * texture_.width + r;
-        const double e =
-            static_cast<double>(by_home_[i]) / static_cast<double>(pairs_[d]) - texture_.by_home[i];
+        const std::size_t i = (d * static_cast<std::size_t>(levels + 1) + h) * texture_.width + r;
+        const double e = static_cast<double>(by_home_[i]) / pairs_[d] - texture_.by_home[i];
         sum += e * e;
       }
   }

@@ -44,26 +44,30 @@ void compute(Context& c) {
   if (c.has("fill")) fill = mask_of(c.value("fill"), picture, "fill");
 
   NibSettings s;
-  s.levels = static_cast<int>(c.integer("levels")), s.extent = static_cast<int>(c.integer("extent"));
-  s.scales = static_cast<int>(c.integer("scales")), s.space = c.choice<ColorSpace>("space");
+  s.levels = c.integer("levels");
+  s.extent = c.integer("extent");
+  s.scales = c.integer("scales");
+  s.space = c.choice<ColorSpace>("space");
   s.seed = c.seed();
   if (const auto v = c.optional_number("threshold")) s.threshold = *v;
   DabSettings dab_settings;
-  dab_settings.passes = static_cast<int>(c.integer("passes")), dab_settings.seed = s.seed;
-  dab_settings.finish = c.choice<Finish>("finish"), dab_settings.pairs = c.choice<Pairs>("pairs");
+  dab_settings.passes = c.integer("passes");
+  dab_settings.seed = s.seed;
+  dab_settings.finish = c.choice<Finish>("finish");
+  dab_settings.pairs = c.choice<Pairs>("pairs");
 
   const auto region = region_of(c, picture, strokes, fill, s.extent);
   Nib nib(picture, learn(picture, region, s, c.work().quiet()), dab_settings);
   const double n = static_cast<double>(strokes.strokes.size()) + 1;
   for (std::size_t i = 0; i < strokes.strokes.size(); ++i)
-    nib.paint(strokes.strokes[i], c.work().part(static_cast<double>(i) / n, static_cast<double>(i + 1) / n));
+    nib.paint(strokes.strokes[i], c.work().part(i / n, (i + 1) / n));
   if (!fill.empty()) nib.paint(pixels_of(fill), c.work().part(1 - 1 / n, 1));
 
   double painted = 0, relevant = 0;
   for (const auto o : nib.occupancy()) painted += o;
   for (const auto b : nib.base_relative()) relevant += b != kNoLevel;
   c.metric("painted_pixels", painted);
-  c.metric("relevant_fraction", relevant / static_cast<double>(nib.base_relative().size()));
+  c.metric("relevant_fraction", relevant / nib.base_relative().size());
   c.metric("threshold", nib.texture().threshold);
   c.metric("error", nib.error());
   c.output("base_relative", base_relative_view(nib));

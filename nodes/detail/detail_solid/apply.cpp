@@ -41,15 +41,17 @@ Particles particles_of(const openvdb::Int32Grid& id, const openvdb::Vec3SGrid& c
         const openvdb::Coord at(i, j, k);
         const int p = ids.getValue(at);
         if (p < 0) continue;
-        Seen& s = seen[static_cast<std::size_t>(p)];
+        Seen& s = seen[p];
         for (int a = 0; a < 3; ++a) {
           const double angle = (at[a] + 0.5) * turn[a];
-          s.sine[a] += std::sin(angle), s.cosine[a] += std::cos(angle);
+          s.sine[a] += std::sin(angle);
+          s.cosine[a] += std::cos(angle);
         }
         const double cover = density ? density->tree().getValue(at) : 1;
         const double w = cover >= 0.999 ? 1 : 1e-6;
         const auto& c = colors.getValue(at);
-        s.color += w * Vec3(c[0], c[1], c[2]), s.weight += w;
+        s.color += w * Vec3(c[0], c[1], c[2]);
+        s.weight += w;
       }
   }
   Particles out;
@@ -81,24 +83,23 @@ Volume add_detail(const Volume& volume, const Detail& detail, const Work& work) 
   const double voxel = color->transform().voxelSize()[0];
   const Particles particles = particles_of(*id, *color, density.get(), size, voxel, work);
   const residual::ResidualField field(detail, particles, voxel, residual::Keep::Values, work.part(0, 0.1));
-  const std::size_t nx = static_cast<std::size_t>(size.x()), plane = nx * static_cast<std::size_t>(size.y());
-  std::vector<Vec3f> out(plane * static_cast<std::size_t>(size.z()));
-  work.part(0.1, 0.9).parallel(
-      static_cast<std::size_t>(size.z()), 1, [&](std::size_t begin, std::size_t end) {
-        auto ids = id->getConstAccessor();
-        auto colors = color->getConstAccessor();
-        for (std::size_t k = begin; k < end; ++k)
-          for (std::size_t n = 0; n < plane; ++n) {
-            const openvdb::Coord at(static_cast<int>(n % nx), static_cast<int>(n / nx), static_cast<int>(k));
-            const int p = ids.getValue(at);
-            const Vec3f mm = ((Vec3(at[0], at[1], at[2]).array() + 0.5) * voxel).matrix().cast<float>();
-            const float cover = density ? std::clamp(density->tree().getValue(at), 0.0f, 1.0f) : 1;
-            const Vec3f offset = field.mixed(mm, p, cover);
-            const auto& c = colors.getValue(at);
-            out[k * plane + n] =
-                srgb_to_linear((linear_to_srgb(Vec3f(c[0], c[1], c[2])) + offset).cwiseMax(0.0f));
-          }
-      });
+  const std::size_t nx = size.x(), plane = nx * size.y();
+  std::vector<Vec3f> out(plane * size.z());
+  work.part(0.1, 0.9).parallel(size.z(), 1, [&](std::size_t begin, std::size_t end) {
+    auto ids = id->getConstAccessor();
+    auto colors = color->getConstAccessor();
+    for (std::size_t k = begin; k < end; ++k)
+      for (std::size_t n = 0; n < plane; ++n) {
+        const openvdb::Coord at(static_cast<int>(n % nx), static_cast<int>(n / nx), static_cast<int>(k));
+        const int p = ids.getValue(at);
+        const Vec3f mm = ((Vec3(at[0], at[1], at[2]).array() + 0.5) * voxel).matrix().cast<float>();
+        const float cover = density ? std::clamp(density->tree().getValue(at), 0.0f, 1.0f) : 1;
+        const Vec3f offset = field.mixed(mm, p, cover);
+        const auto& c = colors.getValue(at);
+        out[k * plane + n] =
+            srgb_to_linear((linear_to_srgb(Vec3f(c[0], c[1], c[2])) + offset).cwiseMax(0.0f));
+      }
+  });
   Volume result;
   result.resolution = size;
   for (const auto& g : volume.grids)

@@ -59,7 +59,9 @@ void blur_labels(const Phases& phases, const Labels& labels, double sigma, const
         const std::int32_t id = labels.ids[labels.index(x, y, s)];
         if (id <= 0) continue;
         Extent& e = extents[static_cast<std::size_t>(id) - 1];
-        e.x0 = std::min(e.x0, x), e.x1 = std::max(e.x1, x), e.y0 = std::min(e.y0, y),
+        e.x0 = std::min(e.x0, x);
+        e.x1 = std::max(e.x1, x);
+        e.y0 = std::min(e.y0, y);
         e.y1 = std::max(e.y1, y);
       }
     blur_label(phases, labels, s, 0, {0, 0, phases.width - 1, phases.height - 1}, sigma, value, counts,
@@ -99,11 +101,12 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
   constexpr std::size_t kEnough = 4000;                 // used pixels of a phase
   const auto all = [](std::size_t) { return true; };
   const std::size_t n = broad.size();
-  std::vector<Vec3f> soft = p.offset, square(n, Vec3f::Zero()), spread(n, Vec3f::Zero());
+  std::vector<Vec3f> soft = p.offset;
+  square(n, Vec3f::Zero());
+  spread(n, Vec3f::Zero());
   for (std::size_t i = 0; i < n; ++i)
     if (const auto k = p.phase[i]; k >= 0)
-      square[i].setConstant(
-          ((p.offset[i] - broad[i]).array() / deviation[static_cast<std::size_t>(k)].array()).square().sum());
+      square[i].setConstant(((p.offset[i] - broad[i]).array() / deviation[k].array()).square().sum());
   blur_labels(p, labels, kBroad, square, all, spread, work);
   blur_labels(p, labels, 1, p.offset, all, soft, work);
   std::vector<float> weight;
@@ -116,13 +119,13 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
       static_cast<std::size_t>(p.height) * p.sections, 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
           for (int x = 0; x < p.width; ++x) {
-            const int y = static_cast<int>(row % static_cast<std::size_t>(p.height));
-            const std::size_t plane = row / static_cast<std::size_t>(p.height) * p.plane(),
-                              i = plane + static_cast<std::size_t>(y) * p.width + static_cast<std::size_t>(x);
+            const int y = row % static_cast<std::size_t>(p.height);
+            const std::size_t plane = row / p.height * p.plane(),
+                              i = plane + static_cast<std::size_t>(y) * p.width + x;
             if (p.phase[i] < 0) continue;
             const float local = std::sqrt(spread[i].x() / 3);
             if (local <= kSame) continue;
-            const Vec3f& d = deviation[static_cast<std::size_t>(p.phase[i])];
+            const Vec3f& d = deviation[p.phase[i]];
             Vec3f zone = soft[i];
             float share = 0;
             for (int round = 0; round < 3; ++round) {
@@ -130,18 +133,20 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
               float total = 0, near = 0;
               for (int v = std::max(0, y - kAround); v <= std::min(p.height - 1, y + kAround); ++v)
                 for (int u = std::max(0, x - kAround); u <= std::min(p.width - 1, x + kAround); ++u) {
-                  const std::size_t j =
-                      plane + static_cast<std::size_t>(v) * p.width + static_cast<std::size_t>(u);
+                  const std::size_t j = plane + static_cast<std::size_t>(v) * p.width + u;
                   if (p.phase[j] < 0 || labels.ids[j] != labels.ids[i]) continue;
                   const float w = weight[static_cast<std::size_t>(v - y + kAround) * (2 * kAround + 1) +
-                                         static_cast<std::size_t>(u - x + kAround)];
+                                         (u - x + kAround)];
                   const float apart =
                       ((soft[j] - zone).array() / d.array()).square().sum() / (kRange * kRange);
                   const float same = w * std::exp(-0.5f * apart);
-                  sum += same * p.offset[j], total += same, near += w;
+                  sum += same * p.offset[j];
+                  total += same;
+                  near += w;
                 }
               if (!(total > 0)) break;
-              zone = sum / total, share = total / near;
+              zone = sum / total;
+              share = total / near;
             }
             if (share < kLeastZone) continue;
             const float part = std::min(1.0f, (local - kSame) / (kSharp - kSame));
@@ -153,10 +158,10 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
   broad = std::move(out);
   std::vector<std::size_t> left = p.pixels;
   for (std::size_t i = 0; i < n; ++i)
-    if (between[i]) --left[static_cast<std::size_t>(p.phase[i])];
+    if (between[i]) --left[p.phase[i]];
   for (std::size_t i = 0; i < n; ++i)
-    if (between[i] && left[static_cast<std::size_t>(p.phase[i])] >= kEnough) {
-      --p.pixels[static_cast<std::size_t>(p.phase[i])];
+    if (between[i] && left[p.phase[i]] >= kEnough) {
+      --p.pixels[p.phase[i]];
       p.phase[i] = -1;
     }
 }
@@ -165,22 +170,20 @@ void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
   const int reach = std::min(static_cast<int>(std::ceil(3 * sigma)), 4 * n);
   std::vector<float> kernel(static_cast<std::size_t>(n), 0.0f);  // wrapped around the tile
   for (int t = -reach; t <= reach; ++t)
-    kernel[static_cast<std::size_t>(wrap_index(t, n))] +=
-        static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
+    kernel[wrap_index(t, n)] += static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
   double squares = 0;
   for (const float k : kernel) squares += static_cast<double>(k) * k;
-  for (float& k : kernel)
-    k = static_cast<float>(k / std::sqrt(squares));  // keeps the variance of white noise
+  for (float& k : kernel) k = k / std::sqrt(squares);  // keeps the variance of white noise
   const std::size_t step[3] = {1, static_cast<std::size_t>(n), static_cast<std::size_t>(n) * n};
   for (int a = 0; a < 3; ++a) {
     const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
-    work.quiet().parallel(static_cast<std::size_t>(n), 2, [&](std::size_t begin, std::size_t end) {
+    work.quiet().parallel(n, 2, [&](std::size_t begin, std::size_t end) {
       std::vector<float> line(static_cast<std::size_t>(2 * n)), out(static_cast<std::size_t>(n));
       for (std::size_t j = begin; j < end; ++j)
         for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
           float* first = &v[j * step[c] + i * step[b]];
           for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k)
-            line[k] = line[k + static_cast<std::size_t>(n)] = first[k * step[a]];
+            line[k] = line[k + n] = first[k * step[a]];
           for (std::size_t k = 0; k < static_cast<std::size_t>(n); ++k) {
             float s = 0;
             for (std::size_t t = 0; t < static_cast<std::size_t>(n); ++t) s += kernel[t] * line[k + t];
@@ -205,9 +208,8 @@ std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work&
   const std::vector<Vec3f> deviation = deviations(phases, broad);
   for (std::size_t i = 0; i < far.size(); ++i)
     if (const auto k = phases.phase[i]; k >= 0)
-      far[i].setConstant(((phases.offset[i] - broad[i]).cwiseAbs().array() >
-                          kSpeck * deviation[static_cast<std::size_t>(k)].array())
-                             .any());
+      far[i].setConstant(
+          ((phases.offset[i] - broad[i]).cwiseAbs().array() > kSpeck * deviation[k].array()).any());
   blur_labels(phases, labels, kBroad, far, all, around, work);
   blur_labels(
       phases, labels, kBroad, phases.offset,
@@ -215,10 +217,10 @@ std::vector<Vec3f> split_broad(Phases& phases, const Labels& labels, const Work&
   keep_edges(phases, labels, deviation, broad, work);
   std::vector<Mean> mean(phases.pixels.size());
   for (std::size_t i = 0; i < broad.size(); ++i)
-    if (const auto k = phases.phase[i]; k >= 0) mean[static_cast<std::size_t>(k)].add(broad[i]);
+    if (const auto k = phases.phase[i]; k >= 0) mean[k].add(broad[i]);
   for (std::size_t i = 0; i < broad.size(); ++i)
     if (const auto k = phases.phase[i]; k >= 0) {
-      broad[i] -= mean[static_cast<std::size_t>(k)].value();
+      broad[i] -= mean[k].value();
       phases.offset[i] -= broad[i];
     }
   return broad;
@@ -242,7 +244,10 @@ BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Lab
   std::vector<std::size_t> used;
   Vec3 mean = Vec3::Zero();
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    if (p.phase[i] == phase) used.push_back(i), mean += broad[i].cast<double>();
+    if (p.phase[i] == phase) {
+      used.push_back(i);
+      mean += broad[i].cast<double>();
+    }
   if (used.size() < 256) return model;
   mean /= static_cast<double>(used.size());
   Mat3 covariance = Mat3::Zero();
@@ -257,7 +262,7 @@ BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Lab
   for (int n = 0; n < kPairs; ++n) {
     const std::size_t i = used[random.below(used.size())];
     const double r = random.uniform(0, kReach), angle = random.uniform(0, 2 * M_PI);
-    const auto in = static_cast<int>(i % p.plane());
+    const int in = i % p.plane();
     const int x = in % p.width + static_cast<int>(std::lround(r * std::cos(angle))),
               y = in / p.width + static_cast<int>(std::lround(r * std::sin(angle)));
     if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
@@ -266,22 +271,22 @@ BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Lab
     const Vec3 a = model.axes.transpose() * (broad[i].cast<double>() - mean),
                b = model.axes.transpose() * (broad[j].cast<double>() - mean);
     const auto bin = static_cast<std::size_t>(r);
-    sum[bin] += a.cwiseProduct(b), ++count[bin];
+    sum[bin] += a.cwiseProduct(b);
+    ++count[bin];
   }
   // Pairs far apart are few in small particles; each distance weighs by its number of pairs.
   Eigen::MatrixXd A(kReach, static_cast<Eigen::Index>(kSigmas.size()));
   Eigen::MatrixXd b(kReach, 3);
   for (int r = 0; r < kReach; ++r) {
-    const double weight = std::sqrt(count[static_cast<std::size_t>(r)]);
+    const double weight = std::sqrt(count[r]);
     for (std::size_t k = 0; k < kSigmas.size(); ++k)
       A(r, static_cast<Eigen::Index>(k)) =
           weight * std::exp(-(r + 0.5) * (r + 0.5) / (4 * kSigmas[k] * kSigmas[k]));
-    b.row(r) = (sum[static_cast<std::size_t>(r)] / std::max(count[static_cast<std::size_t>(r)], 1.0) * weight)
-                   .transpose();
+    b.row(r) = (sum[r] / std::max(count[r], 1.0) * weight).transpose();
   }
   for (int c = 0; c < 3; ++c) {
     const Eigen::VectorXd w = nonnegative_fit(A, b.col(c));
-    for (std::size_t k = 0; k < kSigmas.size(); ++k) model.variance[k][c] = w[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < kSigmas.size(); ++k) model.variance[k][c] = w[k];
   }
   return model;
 }
@@ -296,13 +301,12 @@ std::vector<Vec3f> broad_field(const BroadModel& model, int size, std::uint64_t 
       std::vector<float> noise(out.size());
       work.quiet().parallel(noise.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i)
-          noise[i] =
-              static_cast<float>(Random(seed, 0x100 + k * 3 + static_cast<std::size_t>(c), i).normal());
+          noise[i] = Random(seed, 0x100 + k * 3 + static_cast<std::size_t>(c), i).normal();
       });
       smooth(noise, size, model.sigma[k], work);
       double mean = 0;
       for (const float v : noise) mean += v;
-      mean /= static_cast<double>(noise.size());
+      mean /= noise.size();
       for (float& v : noise) v -= static_cast<float>(mean);
       const Vec3f direction = axes.col(c) * static_cast<float>(std::sqrt(model.variance[k][c]));
       for (std::size_t i = 0; i < out.size(); ++i) out[i] += noise[i] * direction;

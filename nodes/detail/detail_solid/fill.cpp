@@ -18,14 +18,18 @@ constexpr std::size_t kEnough = 400;  // source patches that suffice
 // A pixel of the half-size picture is known if at least two of its four are.
 PartialPicture halved(const PartialPicture& p) {
   PartialPicture out;
-  out.width = p.width / 2, out.height = p.height / 2;
+  out.width = p.width / 2;
+  out.height = p.height / 2;
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       Vec3f sum = Vec3f::Zero();
       int count = 0;
       for (int c = 0; c < 4; ++c) {
         const std::size_t at = static_cast<std::size_t>(2 * y + c / 2) * p.width + 2 * x + c % 2;
-        if (p.known[at]) sum += p.value[at], ++count;
+        if (p.known[at]) {
+          sum += p.value[at];
+          ++count;
+        }
       }
       out.value.push_back(count ? Vec3f(sum / static_cast<float>(count)) : Vec3f::Zero());
       out.known.push_back(count >= 2);
@@ -54,7 +58,7 @@ class Level {
     for (std::size_t i = 0; i < picture_.size(); ++i)
       if (!source_.known[i]) picture_[i] = source_.value[known[Random(seed_, 1, i).below(known.size())]];
     match_.assign(static_cast<std::size_t>(columns_) * rows_, 0);
-    for (const std::int32_t t : targets_) match_[static_cast<std::size_t>(t)] = random_source(2, t);
+    for (const std::int32_t t : targets_) match_[t] = random_source(2, t);
   }
   // Starts from the matches of the level with half as many pixels.
   void start_from(const Level& coarse) {
@@ -66,7 +70,7 @@ class Level {
       const int u = std::min(m % coarse.columns_ * 2 + t % columns_ % 2, columns_ - 1),
                 v = std::min(m / coarse.columns_ * 2 + t / columns_ % 2, rows_ - 1);
       const std::int32_t s = v * columns_ + u;
-      match_[static_cast<std::size_t>(t)] = is_source_[static_cast<std::size_t>(s)] ? s : random_source(2, t);
+      match_[t] = is_source_[s] ? s : random_source(2, t);
     }
     vote(false, true);
   }
@@ -91,9 +95,8 @@ class Level {
     std::vector<int> column(static_cast<std::size_t>(w), 0);
     for (int y = 0; y < source_.height; ++y) {
       for (int x = 0; x < w; ++x) {
-        column[static_cast<std::size_t>(x)] += source_.known[static_cast<std::size_t>(y) * w + x];
-        if (y >= kPatch)
-          column[static_cast<std::size_t>(x)] -= source_.known[static_cast<std::size_t>(y - kPatch) * w + x];
+        column[x] += source_.known[static_cast<std::size_t>(y) * w + x];
+        if (y >= kPatch) column[x] -= source_.known[static_cast<std::size_t>(y - kPatch) * w + x];
       }
       if (y < kPatch - 1) continue;
       for (int x = 0; x < columns_; ++x)
@@ -108,7 +111,7 @@ class Level {
         if (count[i] >= least) sources_.push_back(static_cast<std::int32_t>(i));
       if (sources_.size() >= kEnough) break;
     }
-    for (const std::int32_t s : sources_) is_source_[static_cast<std::size_t>(s)] = 1;
+    for (const std::int32_t s : sources_) is_source_[s] = 1;
     whole_.assign(count.size(), 0);
     for (std::size_t i = 0; i < count.size(); ++i) whole_[i] = count[i] == kPatch * kPatch;
   }
@@ -139,20 +142,22 @@ class Level {
 
   void search(int round) {
     distance_.assign(match_.size(), 0);
-    for (const std::int32_t t : targets_)
-      distance_[static_cast<std::size_t>(t)] = distance(t, match_[static_cast<std::size_t>(t)], 1e30f);
+    for (const std::int32_t t : targets_) distance_[t] = distance(t, match_[t], 1e30f);
     const bool forward = round % 2 == 0;
     const int step = forward ? -1 : 1;
     for (std::size_t n = 0; n < targets_.size(); ++n) {
       const std::int32_t t = targets_[forward ? n : targets_.size() - 1 - n];
-      const auto at = static_cast<std::size_t>(t);
+      const std::size_t at = t;
       const int x = t % columns_, y = t / columns_;
       const auto offer = [&](int u, int v) {
         if (u < 0 || v < 0 || u >= columns_ || v >= rows_) return;
         const std::int32_t s = v * columns_ + u;
-        if (!is_source_[static_cast<std::size_t>(s)] || s == match_[at]) return;
+        if (!is_source_[s] || s == match_[at]) return;
         const float d = distance(t, s, distance_[at]);
-        if (d < distance_[at]) distance_[at] = d, match_[at] = s;
+        if (d < distance_[at]) {
+          distance_[at] = d;
+          match_[at] = s;
+        }
       };
       for (const auto& [dx, dy] : {std::pair{step, 0}, std::pair{0, step}}) {
         const int nx = x + dx, ny = y + dy;
@@ -185,15 +190,14 @@ class Level {
     float scale = 1;
     if (!equal) {
       std::vector<float> d;
-      for (const std::int32_t t : targets_) d.push_back(distance_[static_cast<std::size_t>(t)]);
+      for (const std::int32_t t : targets_) d.push_back(distance_[t]);
       const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() * 3 / 4);
       std::nth_element(d.begin(), middle, d.end());
       scale = std::max(*middle, 1e-8f);
     }
     for (const std::int32_t t : targets_) {
-      const std::int32_t m = match_[static_cast<std::size_t>(t)];
-      const float k =
-          equal ? 1 : std::max(1e-6f, std::exp(-distance_[static_cast<std::size_t>(t)] / (2 * scale)));
+      const std::int32_t m = match_[t];
+      const float k = equal ? 1 : std::max(1e-6f, std::exp(-distance_[t] / (2 * scale)));
       const std::size_t t0 = static_cast<std::size_t>(t / columns_) * w + t % columns_,
                         s0 = static_cast<std::size_t>(m / columns_) * w + m % columns_;
       for (int y = 0; y < kPatch; ++y)
@@ -202,13 +206,16 @@ class Level {
                             b = s0 + static_cast<std::size_t>(y) * w + x;
           if (source_.known[a] || !source_.known[b]) continue;
           if (!best) {
-            sum[a] += k * source_.value[b], weight[a] += k;
+            sum[a] += k * source_.value[b];
+            weight[a] += k;
             continue;
           }
           // Patches centered nearer to the pixel win among those of equal distance.
-          const float near =
-              k / (1 + 0.05f * static_cast<float>(std::abs(x - kPatch / 2) + std::abs(y - kPatch / 2)));
-          if (near > weight[a]) sum[a] = near * source_.value[b], weight[a] = near;
+          const float near = k / (1 + 0.05f * (std::abs(x - kPatch / 2) + std::abs(y - kPatch / 2)));
+          if (near > weight[a]) {
+            sum[a] = near * source_.value[b];
+            weight[a] = near;
+          }
         }
     }
     for (std::size_t i = 0; i < picture_.size(); ++i)

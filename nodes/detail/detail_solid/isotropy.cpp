@@ -18,7 +18,7 @@ std::array<Vec3f, kTowards> directions() {
   std::array<Vec3f, kTowards> out;
   for (int k = 0; k < kTowards; ++k) {
     const double z = (k + 0.5) / kTowards, a = k * 2.399963229728653, r = std::sqrt(1 - z * z);
-    out[static_cast<std::size_t>(k)] = Vec3(r * std::cos(a), r * std::sin(a), z).cast<float>();
+    out[k] = Vec3(r * std::cos(a), r * std::sin(a), z).cast<float>();
   }
   return out;
 }
@@ -34,10 +34,10 @@ struct Shell {
 }  // namespace
 
 void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& work) {
-  const auto n = static_cast<std::size_t>(size);
+  const std::size_t n = size;
   const std::array<Vec3f, kTowards> towards = directions();
   const auto frequency = [&](std::size_t i) {
-    return i <= n / 2 ? static_cast<float>(i) : static_cast<float>(i) - static_cast<float>(n);
+    return i <= n / 2 ? static_cast<float>(i) : static_cast<float>(i) - n;
   };
   const auto shells = static_cast<std::size_t>(std::sqrt(3.0) * size / 2 / kShell) + 2;
   // Calls use(element, shell below, share of the shell above, weights of the directions) for each frequency
@@ -54,12 +54,15 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
           const float c = unit.dot(towards[k]), e = kWidth * (c * c - 1);
           // Within 1e-3 of the exponential, and the same on every machine.
           float w = std::max(0.0f, 1 + e / 16);
-          w *= w, w *= w, w *= w, w *= w;
+          w *= w;
+          w *= w;
+          w *= w;
+          w *= w;
           weight[k] = w;
         }
         const float at = distance / static_cast<float>(kShell);
         const auto low = std::min(static_cast<std::size_t>(at), shells - 2);
-        use((z * n + y) * n + x, low, at - static_cast<float>(low), weight);
+        use((z * n + y) * n + x, low, at - low, weight);
       }
   };
   // Each plane has sums of its own, so that any number of threads adds in the same order.
@@ -71,17 +74,24 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
       each(z, [&](std::size_t i, std::size_t low, float t, const std::array<float, kTowards>& weight) {
         Shell& s = sums[low + (t >= 0.5f ? 1 : 0)];
         const Lane power = data[i].re * data[i].re + data[i].im * data[i].im;
-        s.all += power, ++s.count;
-        for (std::size_t k = 0; k < kTowards; ++k) s.power[k] += weight[k] * power, s.weight[k] += weight[k];
+        s.all += power;
+        ++s.count;
+        for (std::size_t k = 0; k < kTowards; ++k) {
+          s.power[k] += weight[k] * power;
+          s.weight[k] += weight[k];
+        }
       });
     }
   });
   std::vector<Shell> sums(shells);
   for (const auto& plane : planes)
     for (std::size_t r = 0; r < shells; ++r) {
-      sums[r].all += plane[r].all, sums[r].count += plane[r].count;
-      for (std::size_t k = 0; k < kTowards; ++k)
-        sums[r].power[k] += plane[r].power[k], sums[r].weight[k] += plane[r].weight[k];
+      sums[r].all += plane[r].all;
+      sums[r].count += plane[r].count;
+      for (std::size_t k = 0; k < kTowards; ++k) {
+        sums[r].power[k] += plane[r].power[k];
+        sums[r].weight[k] += plane[r].weight[k];
+      }
     }
   std::vector<std::array<Lane, kTowards>> gain(shells);
   for (std::size_t r = 0; r < shells; ++r)
@@ -104,7 +114,8 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
           all += weight[k];
         }
         sum /= all;
-        data[i].re *= sum, data[i].im *= sum;
+        data[i].re *= sum;
+        data[i].im *= sum;
       });
   });
 }

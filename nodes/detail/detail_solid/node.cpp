@@ -27,13 +27,12 @@ void make_tiles(Context& c, const Phases& phases, const std::vector<Vec3f>& broa
   for (std::size_t p = 0; p < count; ++p) {
     const Work part = work.part(double(p) / double(count), double(p + 1) / double(count));
     const std::uint64_t seed = c.seed() * 64 + p;
-    exemplars.push_back(
-        phase_exemplar(phases, static_cast<int>(p), 2 * detail.size, seed, part.part(0, 0.05)));
+    exemplars.push_back(phase_exemplar(phases, p, 2 * detail.size, seed, part.part(0, 0.05)));
     auto values = phase_tile(exemplars.back(), detail.size, seed, part.part(0.05, 0.9));
-    match_phase(values, phases, phases.offset, static_cast<int>(p), work.quiet());
-    match_spectrum(values, detail.size, phases, static_cast<int>(p), work.quiet());
-    detail.phases[p].broad = broad_field(fit_broad(broad, phases, labels, static_cast<int>(p), seed),
-                                         detail.size, seed, part.part(0.9, 1));
+    match_phase(values, phases, phases.offset, p, work.quiet());
+    match_spectrum(values, detail.size, phases, p, work.quiet());
+    detail.phases[p].broad =
+        broad_field(fit_broad(broad, phases, labels, p, seed), detail.size, seed, part.part(0.9, 1));
     detail.phases[p].tile = std::move(values);
   }
 }
@@ -73,18 +72,18 @@ void compute(Context& c) {
     require_equal_size(*mask, "the mask has", image, "the image has", "use the mask of the same photograph");
   PhaseChoice choice;
   const double softness = outline_softness(image, labels);
-  choice.edge = static_cast<int>(c.integer("edge"));
+  choice.edge = c.integer("edge");
   choice.softness = softness;
   choice.specks = c.number("specks");
-  choice.groups = static_cast<int>(c.integer("groups"));
+  choice.groups = c.integer("groups");
   choice.mask = mask;
   choice.seed = c.seed();
   Phases phases = find_phases(image, labels, choice, c.work().part(0, 0.03));
-  c.metric("groups", static_cast<double>(phases.group_color.size()));
+  c.metric("groups", phases.group_color.size());
   c.metric("outliers", phases.outliers);
   Detail detail;
   detail.pixel_size = image.pixel_size;
-  detail.size = static_cast<int>(c.integer("size"));
+  detail.size = c.integer("size");
   detail.gray = std::all_of(image.pixels.begin(), image.pixels.end(),
                             [](const Vec3f& v) { return v.maxCoeff() - v.minCoeff() < 1e-6f; });
   detail.softness = softness;
@@ -97,7 +96,7 @@ void compute(Context& c) {
   const std::vector<double> slopes = split_slopes(phases, labels);
   for (std::size_t g = 0; g < slopes.size(); ++g) {
     detail.phases[g + 1].color = phases.group_color[g];
-    detail.phases[g + 1].slope = static_cast<float>(slopes[g]);
+    detail.phases[g + 1].slope = slopes[g];
   }
   split_gains(phases, labels, detail);
   split_zone_contrasts(phases, detail);

@@ -26,7 +26,7 @@ void exclude_outlines(const Labels& labels, int section, int edge, std::int8_t* 
   const auto depth =
       residual::outline_depth(&labels.ids[labels.index(0, 0, section)], labels.width, labels.height, false);
   for (std::size_t i = 0; i < depth.size(); ++i)
-    if (depth[i] < static_cast<float>(edge) + 0.49f) phase[i] = -1;
+    if (depth[i] < edge + 0.49f) phase[i] = -1;
 }
 
 // Excludes particles missed by the labels and the binder's pixels beside them. Returns their fraction of the
@@ -37,15 +37,14 @@ double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int
   for (std::size_t i = 0; i < binder.size(); ++i) all += binder[i] = phase[i] == 0;
   const std::vector<std::size_t> far = residual::find_specks(encoded, binder, limit);
   for (const std::size_t i : far) {
-    const int x = static_cast<int>(i % static_cast<std::size_t>(w)),
-              y = static_cast<int>(i / static_cast<std::size_t>(w));
+    const int x = i % static_cast<std::size_t>(w), y = i / static_cast<std::size_t>(w);
     for (int b = std::max(0, y - 1); b <= std::min(h - 1, y + 1); ++b)
       for (int a = std::max(0, x - 1); a <= std::min(w - 1, x + 1); ++a) {
         std::int8_t& p = phase[static_cast<std::size_t>(b) * w + a];
         if (p == 0) p = -1;
       }
   }
-  return all > 0 ? static_cast<double>(far.size()) / all : 0;
+  return all > 0 ? far.size() / all : 0;
 }
 
 // Groups of the profiles by color, from 1 by falling area. `color` is linear and `area` counts used pixels.
@@ -62,9 +61,8 @@ std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vect
   for (int k = std::min<int>(choice.groups, static_cast<int>(points.size())); k > 1; --k) {
     const ColorClusters clusters = kmeans(points, weights, k, choice.seed, work.quiet());
     std::vector<double> total(static_cast<std::size_t>(clusters.k), 0.0);
-    for (std::size_t i = 0; i < points.size(); ++i)
-      total[static_cast<std::size_t>(clusters.of[i])] += weights[i];
-    if (*std::min_element(total.begin(), total.end()) < static_cast<double>(kLeastGroup)) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) total[clusters.of[i]] += weights[i];
+    if (*std::min_element(total.begin(), total.end()) < kLeastGroup) continue;
     for (std::size_t i = 0; i < points.size(); ++i) group[index[i]] = clusters.of[i] + 1;
     break;
   }
@@ -86,7 +84,9 @@ void check_photograph(const Image& image, const Labels& labels) {
 
 Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
   Phases out;
-  out.width = image.width, out.height = image.height, out.sections = image.sections;
+  out.width = image.width;
+  out.height = image.height;
+  out.sections = image.sections;
   const std::size_t plane = out.plane(), pixels = image.pixels.size();
   out.offset.resize(pixels);
   out.phase.resize(pixels);
@@ -98,11 +98,10 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   });
   for (int s = 0; s < image.sections; ++s) {
     work.check();
-    std::int8_t* phase = &out.phase[static_cast<std::size_t>(s) * plane];
+    std::int8_t* phase = &out.phase[s * plane];
     exclude_outlines(labels, s, choice.edge, phase);
     if (choice.specks > 0)
-      out.outliers += exclude_specks(&out.offset[static_cast<std::size_t>(s) * plane], choice.specks,
-                                     out.width, out.height, phase) /
+      out.outliers += exclude_specks(&out.offset[s * plane], choice.specks, out.width, out.height, phase) /
                       image.sections;
   }
   // Medians and means in linear light, as the flat colors of particles and binder are.
@@ -149,10 +148,10 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
     if (out.phase[i] > 0) {
       const auto k = static_cast<std::size_t>(labels.ids[i]) - 1;
       out.offset[i] /= scale[k];
-      out.phase[i] = static_cast<std::int8_t>(group[k]);
+      out.phase[i] = group[k];
       of_group[static_cast<std::size_t>(group[k]) - 1].add(color[k]);
     }
-    ++out.pixels[static_cast<std::size_t>(out.phase[i])];
+    ++out.pixels[out.phase[i]];
   }
   for (const Mean& m : of_group) out.group_color.push_back(m.value());
   return out;
@@ -161,8 +160,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
 residual::Outlines outlines_of(const Phases& p, const Labels& labels) {
   residual::Outlines all;
   for (int s = 0; s < p.sections; ++s) {
-    const auto one = residual::nearest_outlines(&labels.ids[static_cast<std::size_t>(s) * p.plane()], p.width,
-                                                p.height, false);
+    const auto one = residual::nearest_outlines(&labels.ids[s * p.plane()], p.width, p.height, false);
     all.depth.insert(all.depth.end(), one.depth.begin(), one.depth.end());
     all.particle.insert(all.particle.end(), one.particle.begin(), one.particle.end());
     all.normal.insert(all.normal.end(), one.normal.begin(), one.normal.end());

@@ -40,7 +40,10 @@ struct PhaseChoice {
 struct Mean {
   Vec3 sum = Vec3::Zero();
   double count = 0;
-  void add(const Vec3f& v) { sum += v.cast<double>(), ++count; }
+  void add(const Vec3f& v) {
+    sum += v.cast<double>();
+    ++count;
+  }
   Vec3f value() const { return (sum / std::max(count, 1.0)).cast<float>(); }
 };
 

@@ -37,11 +37,11 @@ struct Bins {
   explicit Bins(int bins) : sum(static_cast<std::size_t>(bins), Vec3::Zero()), count(sum.size(), 0.0) {}
   // Means, up to the last bin with enough pixels. Bins without pixels take the next one's mean.
   std::vector<Vec3f> means() const {
-    auto n = static_cast<int>(sum.size());
+    int n = sum.size();
     while (n > 0 && count[static_cast<std::size_t>(n) - 1] < kLeastBin) --n;
     std::vector<Vec3f> out(static_cast<std::size_t>(n));
     for (int i = n; i-- > 0;) {
-      const auto k = static_cast<std::size_t>(i);
+      const std::size_t k = i;
       if (count[k] >= kLeastBin)
         out[k] = (sum[k] / count[k]).cast<float>();
       else
@@ -61,8 +61,7 @@ std::vector<float> size_limits(std::vector<float> sizes) {
   std::sort(sizes.begin(), sizes.end());
   float last = 0;
   for (int k = 0; k < kSizes; ++k) {
-    const float middle =
-        sizes[static_cast<std::size_t>((k + 0.5) / kSizes * static_cast<double>(sizes.size() - 1))];
+    const float middle = sizes[static_cast<std::size_t>((k + 0.5) / kSizes * (sizes.size() - 1))];
     if (k > 0 && middle < kNarrow * last) continue;
     if (k > 0) limits.push_back(std::sqrt(last * middle));
     last = middle;
@@ -74,12 +73,12 @@ std::vector<float> size_limits(std::vector<float> sizes) {
 // rim is smooth and the mean of few pixels is not.
 void smooth_far(std::vector<Vec3f>& rim) {
   const std::vector<Vec3f> raw = rim;
-  const auto n = static_cast<int>(rim.size());
+  const int n = rim.size();
   for (int i = 0; i < n; ++i) {
     const int reach = std::min({i < 4 ? 0 : i < 10 ? 1 : 3, i, n - 1 - i});
     Vec3f sum = Vec3f::Zero();
-    for (int k = i - reach; k <= i + reach; ++k) sum += raw[static_cast<std::size_t>(k)];
-    rim[static_cast<std::size_t>(i)] = sum / static_cast<float>(2 * reach + 1);
+    for (int k = i - reach; k <= i + reach; ++k) sum += raw[k];
+    rim[i] = sum / static_cast<float>(2 * reach + 1);
   }
 }
 
@@ -117,7 +116,10 @@ void limit_chroma(const Detail& detail, std::size_t groups, std::vector<Eigen::V
 // sums, in one component.
 std::vector<float> relative_gains(const Bins& squares) {
   double sum = 0, count = 0;
-  for (std::size_t k = 0; k < squares.sum.size(); ++k) sum += squares.sum[k].x(), count += squares.count[k];
+  for (std::size_t k = 0; k < squares.sum.size(); ++k) {
+    sum += squares.sum[k].x();
+    count += squares.count[k];
+  }
   std::vector<float> gains;
   for (const Vec3f& m : squares.means())
     gains.push_back(sum > 0 ? std::clamp(std::sqrt(m.x() / static_cast<float>(sum / count)), 0.5f, 2.0f)
@@ -130,7 +132,7 @@ std::vector<float> relative_gains(const Bins& squares) {
 void split_rims(Phases& p, const Labels& labels, Detail& detail) {
   const residual::Outlines outlines = outlines_of(p, labels);
   const std::vector<float> sizes = residual::sizes_of_particles(labels.ids, detail.pixel_size);
-  const auto size_at = [&](std::size_t i) { return sizes[static_cast<std::size_t>(outlines.particle[i])]; };
+  const auto size_at = [&](std::size_t i) { return sizes[outlines.particle[i]]; };
   for (std::size_t phase = 0; phase < detail.phases.size(); ++phase) {
     const auto each = [&](auto&& use) {
       for (std::size_t i = 0; i < p.phase.size(); ++i)
@@ -144,11 +146,14 @@ void split_rims(Phases& p, const Labels& labels, Detail& detail) {
     std::vector<Bins> bins(limits.size() + 1, Bins(kRimBins));
     std::vector<double> logs(bins.size(), 0.0), count(bins.size(), 0.0);
     each([&](std::size_t i) {
-      const auto c = static_cast<std::size_t>(std::lower_bound(limits.begin(), limits.end(), size_at(i)) -
-                                              limits.begin());
+      const std::size_t c = std::lower_bound(limits.begin(), limits.end(), size_at(i)) - limits.begin();
       const std::size_t k = bin_of(outlines.depth[i], kRimBins);
-      bins[c].sum[k] += p.offset[i].cast<double>(), ++bins[c].count[k];
-      if (outlines.depth[i] < kDeep) logs[c] += std::log(size_at(i)), ++count[c];
+      bins[c].sum[k] += p.offset[i].cast<double>();
+      ++bins[c].count[k];
+      if (outlines.depth[i] < kDeep) {
+        logs[c] += std::log(size_at(i));
+        ++count[c];
+      }
     });
     auto& rims = detail.phases[phase].rims;
     for (std::size_t c = 0; c < bins.size(); ++c) {
@@ -165,19 +170,20 @@ void split_gains(Phases& p, const Labels& labels, Detail& detail) {
   const std::vector<float> depth = depths_of(p, labels);
   std::vector<Bins> all(detail.phases.size(), Bins(kBins)), grain = all;
   const auto add = [&](std::vector<Bins>& bins, std::size_t i, const Vec3f& v) {
-    Bins& b = bins[static_cast<std::size_t>(p.phase[i])];
+    Bins& b = bins[p.phase[i]];
     const std::size_t k = bin_of(depth[i], kBins);
-    b.sum[k].x() += v.squaredNorm(), ++b.count[k];
+    b.sum[k].x() += v.squaredNorm();
+    ++b.count[k];
   };
   for (std::size_t i = 0; i < p.phase.size(); ++i)
     if (p.phase[i] >= 0) add(all, i, p.offset[i]);
   for (std::size_t k = 0; k < all.size(); ++k) detail.phases[k].gain = relative_gains(all[k]);
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] < 0) continue;
-    const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].gain;
+    const auto& gain = detail.phases[p.phase[i]].gain;
     if (!gain.empty()) p.offset[i] /= gain[bin_of(depth[i], gain.size())];
   }
-  const auto w = static_cast<std::size_t>(p.width), h = static_cast<std::size_t>(p.height);
+  const std::size_t w = p.width, h = p.height;
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     const std::size_t x = i % w, y = i / w % h;
     if (p.phase[i] <= 0 || x == 0 || y == 0 || x + 1 == w || y + 1 == h) continue;
@@ -204,7 +210,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     Vec2 value() {
       constexpr double kRank = 0.75;
       if (gray.empty()) return Vec2::Zero();
-      const auto rank = static_cast<std::size_t>(kRank * static_cast<double>(gray.size() - 1));
+      const auto rank = static_cast<std::size_t>(kRank * (gray.size() - 1));
       return {at_rank(gray, rank), at_rank(chroma, rank)};
     }
   };
@@ -229,27 +235,34 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
   const auto finest = [&](std::size_t i) {
     Vec3f sum = Vec3f::Zero();
     float count = 0;
-    for (const std::size_t j :
-         {i - 1, i + 1, i - static_cast<std::size_t>(p.width), i + static_cast<std::size_t>(p.width)})
-      if (j < p.phase.size() && labels.ids[j] == labels.ids[i] && p.phase[j] > 0) sum += before[j], ++count;
+    for (const std::size_t j : {i - 1, i + 1, i - p.width, i + p.width})
+      if (j < p.phase.size() && labels.ids[j] == labels.ids[i] && p.phase[j] > 0) {
+        sum += before[j];
+        ++count;
+      }
     return Vec3f(count > 0 ? Vec3f(before[i] - sum / count) : Vec3f::Zero());
   };
   for (std::size_t i = 0; i < p.phase.size(); ++i) {
     if (p.phase[i] <= 0) continue;
-    if (const auto& gain = detail.phases[static_cast<std::size_t>(p.phase[i])].grain_gain; !gain.empty())
+    if (const auto& gain = detail.phases[p.phase[i]].grain_gain; !gain.empty())
       grain.offset[i] /= gain[bin_of(depth[i], gain.size())];
     Sum& s = profile[static_cast<std::size_t>(labels.ids[i]) - 1];
     s.group = static_cast<std::size_t>(p.phase[i]) - 1;
     ++s.pixels;
     if (depth[i] < kBlurred) continue;  // the blur of the outline counts as grain there
-    for (Sum* sum : {&s, &group[s.group]})
-      ++sum->count, sum->of_grain.add(squares(grain.offset[i])), sum->of_finest.add(squares(finest(i))),
-          sum->broad += squares(broad[i]);
+    for (Sum* sum : {&s, &group[s.group]}) {
+      ++sum->count;
+      sum->of_grain.add(squares(grain.offset[i]));
+      sum->of_finest.add(squares(finest(i)));
+      sum->broad += squares(broad[i]);
+    }
   }
   for (auto* sums : {&profile, &group})
     for (Sum& s : *sums) {
-      s.grain = s.count * s.of_grain.value(), s.finest = s.count * s.of_finest.value();
-      s.of_grain = {}, s.of_finest = {};
+      s.grain = s.count * s.of_grain.value();
+      s.finest = s.count * s.of_finest.value();
+      s.of_grain = {};
+      s.of_finest = {};
     }
   // A profile counts as `samples` independent ones; those of a group's mean deviation are added to them.
   const auto relative = [](const Vec2& own, double count, const Vec2& all, double of_all, double samples) {
@@ -257,8 +270,7 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     for (int a = 0; a < 2; ++a)
       if (all[a] > 1e-9 * all.sum()) {
         const double ratio = own[a] / count / (all[a] / of_all);
-        out[a] = static_cast<float>(
-            std::clamp(std::sqrt((samples * ratio + kPrior) / (samples + kPrior)), kLeastContrast, 3.0));
+        out[a] = std::clamp(std::sqrt((samples * ratio + kPrior) / (samples + kPrior)), kLeastContrast, 3.0);
       }
     return out;
   };
@@ -298,16 +310,14 @@ void keep_deep_pixels(Phases& p, const Labels& labels) {
   std::vector<std::array<std::size_t, kDeep + 1>> left(p.pixels.size());  // pixels at least as deep
   for (auto& l : left) l.fill(0);
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    for (int d = 0; p.phase[i] >= 0 && d <= kDeep && depth[i] >= static_cast<float>(d); ++d)
-      ++left[static_cast<std::size_t>(p.phase[i])][static_cast<std::size_t>(d)];
+    for (int d = 0; p.phase[i] >= 0 && d <= kDeep && depth[i] >= d; ++d) ++left[p.phase[i]][d];
   std::vector<int> least(left.size(), kDeep);
   for (std::size_t k = 0; k < left.size(); ++k) {
-    while (least[k] > 0 && left[k][static_cast<std::size_t>(least[k])] < kEnoughDeep) --least[k];
-    if (least[k] > 0) p.pixels[k] = left[k][static_cast<std::size_t>(least[k])];
+    while (least[k] > 0 && left[k][least[k]] < kEnoughDeep) --least[k];
+    if (least[k] > 0) p.pixels[k] = left[k][least[k]];
   }
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    if (p.phase[i] >= 0 && depth[i] < static_cast<float>(least[static_cast<std::size_t>(p.phase[i])]))
-      p.phase[i] = -1;
+    if (p.phase[i] >= 0 && depth[i] < least[static_cast<std::size_t>(p.phase[i])]) p.phase[i] = -1;
 }
 
 std::vector<double> split_slopes(Phases& p, const Labels& labels) {
@@ -321,27 +331,35 @@ std::vector<double> split_slopes(Phases& p, const Labels& labels) {
     for (std::size_t i = 0; i < p.phase.size(); ++i)
       if (p.phase[i] > 0) {
         const std::size_t in = i % p.plane();
-        use(fits[static_cast<std::size_t>(labels.ids[i]) - 1], i,
-            static_cast<double>(in % static_cast<std::size_t>(p.width)),
-            static_cast<double>(in / static_cast<std::size_t>(p.width)));
+        use(fits[static_cast<std::size_t>(labels.ids[i]) - 1], i, static_cast<double>(in % p.width),
+            static_cast<double>(in / p.width));
       }
   };
   each([&](Fit& f, std::size_t i, double x, double y) {
     const double v = p.offset[i].mean();
-    ++f.n, f.x += x, f.y += y, f.xx += x * x, f.xy += x * y, f.yy += y * y, f.v += v, f.vx += v * x,
-        f.vy += v * y;
+    ++f.n;
+    f.x += x;
+    f.y += y;
+    f.xx += x * x;
+    f.xy += x * y;
+    f.yy += y * y;
+    f.v += v;
+    f.vx += v * x;
+    f.vy += v * y;
     f.group = p.phase[i];
   });
   // Of each group: squared slope times squared radius, and the profile's pixels.
   std::vector<std::vector<std::pair<double, double>>> steepness(p.group_color.size());
   for (Fit& f : fits) {
     if (f.n < kLeastProfile) continue;
-    f.mx = f.x / f.n, f.my = f.y / f.n;
+    f.mx = f.x / f.n;
+    f.my = f.y / f.n;
     const double xx = f.xx / f.n - f.mx * f.mx, xy = f.xy / f.n - f.mx * f.my, yy = f.yy / f.n - f.my * f.my;
     const double vx = f.vx / f.n - f.mx * f.v / f.n, vy = f.vy / f.n - f.my * f.v / f.n;
     const double det = xx * yy - xy * xy;
     if (!(det > 1e-6)) continue;
-    f.gx = (vx * yy - vy * xy) / det, f.gy = (vy * xx - vx * xy) / det;
+    f.gx = (vx * yy - vy * xy) / det;
+    f.gy = (vy * xx - vx * xy) / det;
     steepness[static_cast<std::size_t>(f.group) - 1].emplace_back(
         (f.gx * f.gx + f.gy * f.gy) * f.n / std::numbers::pi, f.n);
   }
@@ -371,34 +389,35 @@ double outline_softness(const Image& image, const Labels& labels) {
   std::vector<Vec3f> encoded(plane);
   std::array<double, 2 * kStep> up{}, down{};
   for (int s = 0; s < image.sections; ++s) {
-    flat[0].setZero(), count[0] = 0;
+    flat[0].setZero();
+    count[0] = 0;
     cv::Mat particles(h, w, CV_8U), binder(h, w, CV_8U);
-    const auto id = [&](std::size_t i) { return labels.ids[static_cast<std::size_t>(s) * plane + i]; };
+    const auto id = [&](std::size_t i) { return labels.ids[s * plane + i]; };
     for (std::size_t i = 0; i < plane; ++i) {
-      encoded[i] = linear_to_srgb(image.pixels[static_cast<std::size_t>(s) * plane + i].cwiseMax(0.0f));
-      flat[static_cast<std::size_t>(id(i))] += encoded[i].cast<double>(),
-          ++count[static_cast<std::size_t>(id(i))];
-      particles.data[i] = id(i) > 0 ? 0 : 255, binder.data[i] = id(i) > 0 ? 255 : 0;
+      encoded[i] = linear_to_srgb(image.pixels[s * plane + i].cwiseMax(0.0f));
+      flat[id(i)] += encoded[i].cast<double>();
+      ++count[id(i)];
+      particles.data[i] = id(i) > 0 ? 0 : 255;
+      binder.data[i] = id(i) > 0 ? 255 : 0;
     }
     cv::Mat outside, inside, nearest;
     cv::distanceTransform(particles, outside, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
     cv::distanceTransform(binder, inside, cv::DIST_L2, cv::DIST_MASK_5);
     std::vector<std::int32_t> owner(plane + 1, 0);  // label of each number in `nearest`
     for (std::size_t i = 0; i < plane; ++i)
-      if (id(i) > 0)
-        owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])] = id(i);
+      if (id(i) > 0) owner[reinterpret_cast<const std::int32_t*>(nearest.data)[i]] = id(i);
     for (std::size_t i = 0; i < plane; ++i) {
       const float out = reinterpret_cast<const float*>(outside.data)[i],
                   in = reinterpret_cast<const float*>(inside.data)[i];
       const double d = id(i) > 0 ? in - 0.5 : 0.5 - out;  // positive within particles
       const int bin = static_cast<int>(std::floor(d)) + kStep;
       if (bin < 0 || bin >= 2 * kStep) continue;
-      const auto k = static_cast<std::size_t>(
-          owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])]);
+      const std::size_t k =
+          owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])];
       if (!(count[k] > 0) || !(count[0] > 0)) continue;
       const Vec3 base = flat[0] / count[0], rise = flat[k] / count[k] - base;
-      up[static_cast<std::size_t>(bin)] += (encoded[i].cast<double>() - base).dot(rise);
-      down[static_cast<std::size_t>(bin)] += rise.squaredNorm();
+      up[bin] += (encoded[i].cast<double>() - base).dot(rise);
+      down[bin] += rise.squaredNorm();
     }
   }
   std::array<double, 2 * kStep> step{};

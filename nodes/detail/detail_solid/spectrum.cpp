@@ -60,15 +60,18 @@ Lags covariance_of(const Phases& p, int phase, const Eigen::Matrix3f& axes) {
       }
     // The transform of a real signal's power in each lane is the signal's covariance.
     fft.run(data.data(), false, scratch);
-    for (LaneComplex& c : data) c.re = c.re * c.re + c.im * c.im, c.im = Lane{0, 0, 0, 0};
+    for (LaneComplex& c : data) {
+      c.re = c.re * c.re + c.im * c.im;
+      c.im = Lane{0, 0, 0, 0};
+    }
     fft.run(data.data(), true, scratch);
-    const double scale = 1.0 / static_cast<double>(fft.count());
+    const double scale = 1.0 / fft.count();
     for (int dy = -kLags; dy <= kLags; ++dy)
       for (int dx = -kLags; dx <= kLags; ++dx) {
         const Lane& c = data[static_cast<std::size_t>((dy + fft.height()) % fft.height()) * fft.width() +
                              (dx + fft.width()) % fft.width()]
                             .re;
-        const auto k = static_cast<std::size_t>((dy + kLags) * kSide + dx + kLags);
+        const std::size_t k = (dy + kLags) * kSide + dx + kLags;
         for (std::size_t a = 0; a < 3; ++a) sum[a][k] += scale * c[a];
         pairs[k] += scale * c[3];
       }
@@ -85,7 +88,7 @@ std::vector<double> wanted_power(const std::vector<double>& covariance, int size
   constexpr int kDirections = 32;
   std::vector<double> out;
   for (std::size_t q = 0; q < bins; ++q) {
-    const double k = 2 * kPi * static_cast<double>(q) / size;
+    const double k = 2 * kPi * q / size;
     double power = 0, directions = 0;
     for (int a = 0; a < kDirections; ++a) {
       const double angle = kPi * (a + 0.5) / kDirections, kx = k * std::cos(angle), ky = k * std::sin(angle);
@@ -95,8 +98,7 @@ std::vector<double> wanted_power(const std::vector<double>& covariance, int size
         for (int dx = -kLags; dx <= kLags; ++dx) {
           const double window =
               0.25 * (1 + std::cos(kPi * dx / (kLags + 1))) * (1 + std::cos(kPi * dy / (kLags + 1)));
-          power += window * covariance[static_cast<std::size_t>((dy + kLags) * kSide + dx + kLags)] *
-                   std::cos(kx * dx + ky * dy);
+          power += window * covariance[(dy + kLags) * kSide + dx + kLags] * std::cos(kx * dx + ky * dy);
         }
     }
     out.push_back(directions > 0 ? std::max(power / directions, 0.0) : out.back());
@@ -106,19 +108,19 @@ std::vector<double> wanted_power(const std::vector<double>& covariance, int size
 
 // Transforms a cube along all axes.
 void transform(const LaneFft& fft, std::vector<LaneComplex>& data, bool inverse, const Work& work) {
-  const auto n = static_cast<std::size_t>(fft.size()), plane = n * n;
+  const std::size_t n = fft.size(), plane = n * n;
   work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<LaneComplex> scratch(plane);
     for (std::size_t z = begin; z < end; ++z) {
       for (std::size_t y = 0; y < n; ++y) fft.run(&data[z * plane + y * n], scratch.data(), 1, inverse);
-      fft.run(&data[z * plane], scratch.data(), static_cast<int>(n), inverse);
+      fft.run(&data[z * plane], scratch.data(), n, inverse);
     }
   });
   work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<LaneComplex> columns(plane), scratch(plane);
     for (std::size_t y = begin; y < end; ++y) {
       for (std::size_t z = 0; z < n; ++z) std::copy_n(&data[z * plane + y * n], n, &columns[z * n]);
-      fft.run(columns.data(), scratch.data(), static_cast<int>(n), inverse);
+      fft.run(columns.data(), scratch.data(), n, inverse);
       for (std::size_t z = 0; z < n; ++z) std::copy_n(&columns[z * n], n, &data[z * plane + y * n]);
     }
   });
@@ -134,9 +136,9 @@ class SlicePower {
  public:
   SlicePower(const std::vector<LaneComplex>& data, int size, std::size_t bins)
       : bins_(bins), most_(static_cast<std::size_t>(std::ceil(std::sqrt(3.0) * size / 2)) + 2) {
-    const auto n = static_cast<std::size_t>(size);
+    const std::size_t n = size;
     const auto frequency = [&](std::size_t i) {
-      return i <= n / 2 ? static_cast<double>(i) : static_cast<double>(i) - static_cast<double>(n);
+      return i <= n / 2 ? static_cast<double>(i) : static_cast<double>(i) - n;
     };
     for (auto& p : power_) p.assign(bins * most_, 0.0);
     distance.resize(data.size());
@@ -147,10 +149,9 @@ class SlicePower {
           const Vec3 f(frequency(x), frequency(y), frequency(z));
           distance[at] = f.norm();
           const Lane p = data[at].re * data[at].re + data[at].im * data[at].im;
-          const auto rho = static_cast<std::size_t>(std::lround(distance[at]));
+          const std::size_t rho = std::lround(distance[at]);
           for (int a = 0; a < 3; ++a) {
-            const auto q = static_cast<std::size_t>(
-                std::lround(std::sqrt(std::max(0.0, f.squaredNorm() - f[a] * f[a]))));
+            const std::size_t q = std::lround(std::sqrt(std::max(0.0, f.squaredNorm() - f[a] * f[a])));
             if (q >= bins) continue;
             for (std::size_t c = 0; c < 3; ++c) power_[c][q * most_ + rho] += p[c];
           }
@@ -158,7 +159,7 @@ class SlicePower {
     cells.assign(bins, 0.0);
     for (std::size_t y = 0; y < n; ++y)
       for (std::size_t x = 0; x < n; ++x) {
-        const auto q = static_cast<std::size_t>(std::lround(std::hypot(frequency(x), frequency(y))));
+        const std::size_t q = std::lround(std::hypot(frequency(x), frequency(y)));
         if (q < bins) ++cells[q];
       }
     // Mean power of a slice's frequency cell, in the units of wanted_power: Σ_z |F|² / n · (1 / n²) per cell.
@@ -187,8 +188,10 @@ std::vector<double> fitted_gains(const SlicePower& have, std::size_t channel,
                                  const std::vector<double>& wanted) {
   std::vector<double> gain(have.radii(), 1.0);
   double all = 0, given = 0;
-  for (std::size_t q = 1; q < wanted.size(); ++q)
-    all += have.cells[q] * wanted[q], given += have.cells[q] * have.at(channel, q, gain);
+  for (std::size_t q = 1; q < wanted.size(); ++q) {
+    all += have.cells[q] * wanted[q];
+    given += have.cells[q] * have.at(channel, q, gain);
+  }
   if (!(all > 0) || !(given > 0)) return gain;
   const double start = all / given;
   gain.assign(have.radii(), start);
@@ -206,7 +209,7 @@ std::vector<double> fitted_gains(const SlicePower& have, std::size_t channel,
 }  // namespace
 
 void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, int phase, const Work& work) {
-  if (phases.pixels[static_cast<std::size_t>(phase)] < 256) return;
+  if (phases.pixels[phase] < 256) return;
   const Eigen::Matrix3f axes = axes_of(phases, phase);
   const Lags covariance = covariance_of(phases, phase, axes);
   if (covariance[0].empty()) return;
@@ -229,12 +232,12 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
   work.quiet().parallel(tile.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto low = std::min(static_cast<std::size_t>(have.distance[i]), have.radii() - 2);
-      const double t = have.distance[i] - static_cast<double>(low);
+      const double t = have.distance[i] - low;
       Lane lane = {0, 0, 0, 0};
       for (std::size_t c = 0; c < 3; ++c)
-        lane[c] = static_cast<float>(std::sqrt((1 - t) * gain[c][low] + t * gain[c][low + 1]) /
-                                     static_cast<double>(tile.size()));
-      data[i].re *= lane, data[i].im *= lane;
+        lane[c] = std::sqrt((1 - t) * gain[c][low] + t * gain[c][low + 1]) / static_cast<double>(tile.size());
+      data[i].re *= lane;
+      data[i].im *= lane;
     }
   });
   transform(fft, data, true, work);

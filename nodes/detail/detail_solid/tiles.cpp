@@ -25,7 +25,8 @@ struct Window {
 Window best_window(const Phases& p, int phase, int side) {
   const int w = std::min(side, p.width), h = std::min(side, p.height);
   Window best;
-  best.width = w, best.height = h;
+  best.width = w;
+  best.height = h;
   long most = -1;
   std::vector<long> sum(static_cast<std::size_t>(p.width + 1) * (p.height + 1), 0);
   const auto at = [&](int x, int y) -> long& { return sum[static_cast<std::size_t>(y) * (p.width + 1) + x]; };
@@ -37,7 +38,12 @@ Window best_window(const Phases& p, int phase, int side) {
     for (int y = 0; y + h <= p.height; y += 4)
       for (int x = 0; x + w <= p.width; x += 4) {
         const long n = at(x + w, y + h) - at(x, y + h) - at(x + w, y) + at(x, y);
-        if (n > most) most = n, best.section = s, best.x = x, best.y = y;
+        if (n > most) {
+          most = n;
+          best.section = s;
+          best.x = x;
+          best.y = y;
+        }
       }
   }
   return best;
@@ -47,14 +53,15 @@ Window best_window(const Phases& p, int phase, int side) {
 
 PartialPicture phase_exemplar(const Phases& p, int phase, int side, std::uint64_t seed, const Work& work) {
   PartialPicture out;
-  if (p.pixels[static_cast<std::size_t>(phase)] < kLeastTexture) return out;
+  if (p.pixels[phase] < kLeastTexture) return out;
   Vec3 all = Vec3::Zero();
   for (std::size_t i = 0; i < p.phase.size(); ++i)
     if (p.phase[i] == phase) all += p.offset[i].cast<double>();
-  all /= static_cast<double>(p.pixels[static_cast<std::size_t>(phase)]);
+  all /= static_cast<double>(p.pixels[phase]);
   const Window window = best_window(p, phase, side);
   if (std::min(window.width, window.height) < kLeastSide) return out;
-  out.width = window.width, out.height = window.height;
+  out.width = window.width;
+  out.height = window.height;
   Vec3 mean = Vec3::Zero();
   double count = 0;
   for (int y = 0; y < window.height; ++y)
@@ -64,7 +71,10 @@ PartialPicture phase_exemplar(const Phases& p, int phase, int side, std::uint64_
       const bool known = p.phase[i] == phase;
       out.known.push_back(known);
       out.value.push_back(known ? p.offset[i] : Vec3f::Zero());
-      if (known) mean += p.offset[i].cast<double>(), ++count;
+      if (known) {
+        mean += p.offset[i].cast<double>();
+        ++count;
+      }
     }
   const auto shift = (all - mean / std::max(count, 1.0)).cast<float>();
   for (std::size_t i = 0; i < out.value.size(); ++i)
@@ -75,11 +85,14 @@ PartialPicture phase_exemplar(const Phases& p, int phase, int side, std::uint64_
 
 void match_phase(std::vector<Vec3f>& tile, const Phases& p, const std::vector<Vec3f>& offset, int phase,
                  const Work& work) {
-  if (p.pixels[static_cast<std::size_t>(phase)] < kLeastTexture) return;
+  if (p.pixels[phase] < kLeastTexture) return;
   std::vector<Vec3f> values;
   Vec3 mean = Vec3::Zero();
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    if (p.phase[i] == phase) values.push_back(offset[i]), mean += offset[i].cast<double>();
+    if (p.phase[i] == phase) {
+      values.push_back(offset[i]);
+      mean += offset[i].cast<double>();
+    }
   mean /= static_cast<double>(values.size());
   Mat3 covariance = Mat3::Zero();
   for (const Vec3f& v : values) {
@@ -107,10 +120,11 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
   mean /= static_cast<double>(exemplar.value.size());
   double variance = 0;
   for (const Vec3f& v : exemplar.value) variance += (v.cast<double>() - mean).squaredNorm();
-  variance /= static_cast<double>(exemplar.value.size());
+  variance /= exemplar.value.size();
   if (std::sqrt(variance) < kLeastDeviation) return std::vector<Vec3f>(voxels, mean.cast<float>());
   solids::SolidExemplar e;
-  e.width = exemplar.width, e.height = exemplar.height;
+  e.width = exemplar.width;
+  e.height = exemplar.height;
   for (int y = e.height - 1; y >= 0; --y)
     for (int x = 0; x < e.width; ++x)
       e.pixels.push_back(exemplar.value[static_cast<std::size_t>(y) * e.width + x].array() + kZero);
@@ -124,7 +138,7 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
   std::vector<Vec3f> out(voxels);
   for (std::size_t i = 0; i < voxels; ++i) {
     Vec3f v = Vec3f::Zero();
-    for (int c = 0; c < r.axes.channels; ++c) v[c] = r.field.channel[static_cast<std::size_t>(c)][i];
+    for (int c = 0; c < r.axes.channels; ++c) v[c] = r.field.channel[c][i];
     out[i] = r.axes.from(v).array() - kZero;
   }
   return out;

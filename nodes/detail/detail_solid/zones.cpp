@@ -46,11 +46,13 @@ double level_of(double share) {
 std::vector<float> blurred_lightness(const Phases& p) {
   std::vector<float> out(p.phase.size(), 0.0f);
   for (int s = 0; s < p.sections; ++s) {
-    const std::size_t first = static_cast<std::size_t>(s) * p.plane();
+    const std::size_t first = s * p.plane();
     cv::Mat sum(p.height, p.width, CV_32F, cv::Scalar(0)), weight(p.height, p.width, CV_32F, cv::Scalar(0));
     for (std::size_t i = 0; i < p.plane(); ++i)
-      if (p.phase[first + i] == 0)
-        sum.ptr<float>()[i] = p.offset[first + i].mean(), weight.ptr<float>()[i] = 1;
+      if (p.phase[first + i] == 0) {
+        sum.ptr<float>()[i] = p.offset[first + i].mean();
+        weight.ptr<float>()[i] = 1;
+      }
     cv::GaussianBlur(sum, sum, {0, 0}, kBlur, kBlur, cv::BORDER_CONSTANT);
     cv::GaussianBlur(weight, weight, {0, 0}, kBlur, kBlur, cv::BORDER_CONSTANT);
     for (std::size_t i = 0; i < p.plane(); ++i)
@@ -67,16 +69,18 @@ struct Threshold {
 Threshold threshold_of(std::vector<float> values) {
   Threshold best;
   std::sort(values.begin(), values.end());
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   double all = 0, square = 0, sum = 0;
-  for (const float v : values) all += v, square += static_cast<double>(v) * v;
+  for (const float v : values) {
+    all += v;
+    square += static_cast<double>(v) * v;
+  }
   const double variance = square / n - all * all / (n * n);
   if (!(variance > 1e-9)) return best;
   for (std::size_t k = 1; k < values.size(); ++k) {
     sum += values[k - 1];
     if (values[k] == values[k - 1]) continue;
-    const double w = static_cast<double>(k) / n,
-                 apart = sum / static_cast<double>(k) - (all - sum) / (n - static_cast<double>(k)),
+    const double w = k / n, apart = sum / k - (all - sum) / (n - k),
                  explained = w * (1 - w) * apart * apart / variance;
     if (explained > best.explained) best = {0.5f * (values[k] + values[k - 1]), explained, w};
   }
@@ -90,16 +94,23 @@ std::vector<float> levels_of(const Phases& p, const std::vector<float>& depth, d
   for (std::size_t i = 0; i < p.zone.size(); ++i)
     if (p.zone[i] > 0 && depth[i] > 1 + 2.5 * softness) {
       const auto k = static_cast<std::size_t>(std::min(depth[i], kLevels - 1.0f));
-      low[k] += p.zone[i] == 1, ++all[k];
+      low[k] += p.zone[i] == 1;
+      ++all[k];
     }
   std::vector<float> levels(kLevels, 0.0f);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     double l = low[k], a = all[k];
     for (std::size_t d = 1; a < kLeastInBin && d < levels.size(); ++d) {
-      if (k >= d) l += low[k - d], a += all[k - d];
-      if (k + d < levels.size()) l += low[k + d], a += all[k + d];
+      if (k >= d) {
+        l += low[k - d];
+        a += all[k - d];
+      }
+      if (k + d < levels.size()) {
+        l += low[k + d];
+        a += all[k + d];
+      }
     }
-    levels[k] = static_cast<float>(level_of(std::clamp(l / std::max(a, 1.0), 0.002, 0.998)));
+    levels[k] = level_of(std::clamp(l / std::max(a, 1.0), 0.002, 0.998));
   }
   return levels;
 }
@@ -118,13 +129,14 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
     for (int n = 0; n < 20 * kPairsEach && pairs < kPairsEach; ++n) {
       const std::size_t i = used[random.below(used.size())];
       const double angle = random.uniform(0, 2 * std::numbers::pi);
-      const auto in = static_cast<int>(i % p.plane());
+      const int in = i % p.plane();
       const int x = in % p.width + static_cast<int>(std::lround(r * std::cos(angle))),
                 y = in / p.width + static_cast<int>(std::lround(r * std::sin(angle)));
       if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
       const std::size_t j = i - static_cast<std::size_t>(in) + static_cast<std::size_t>(y) * p.width + x;
       if (p.zone[j] == 0) continue;
-      both += p.zone[i] == 1 && p.zone[j] == 1, ++pairs;
+      both += p.zone[i] == 1 && p.zone[j] == 1;
+      ++pairs;
       const double a = Detail::at_distance(levels, depth[i]), b = Detail::at_distance(levels, depth[j]);
       double sum = share_below(a) * share_below(b);
       expected[0] += sum;
@@ -132,17 +144,15 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
         const double c = (k - 0.5) / kSteps, d = 1 - c * c;
         sum += std::exp(-(a * a - 2 * c * a * b + b * b) / (2 * d)) /
                (2 * std::numbers::pi * std::sqrt(d) * kSteps);
-        expected[static_cast<std::size_t>(k)] += sum;
+        expected[k] += sum;
       }
     }
     std::size_t k = 0;
     while (k < kSteps && expected[k + 1] < both) ++k;
     const double step = k < kSteps ? expected[k + 1] - expected[k] : 1;
-    out.push_back(
-        pairs < kPairsEach / 10.0
-            ? -1
-            : std::min(1.0, (static_cast<double>(k) + std::clamp((both - expected[k]) / step, 0.0, 1.0)) /
-                                kSteps));
+    out.push_back(pairs < kPairsEach / 10.0
+                      ? -1
+                      : std::min(1.0, (k + std::clamp((both - expected[k]) / step, 0.0, 1.0)) / kSteps));
   }
   return out;
 }
@@ -150,8 +160,10 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
 // Marks the pixels near an edge between zones in one section.
 std::vector<std::uint8_t> near_edges(const Phases& p, std::size_t first) {
   cv::Mat dark(p.height, p.width, CV_8U, cv::Scalar(0)), light = dark.clone();
-  for (std::size_t i = 0; i < p.plane(); ++i)
-    dark.data[i] = p.zone[first + i] == 1, light.data[i] = p.zone[first + i] == 2;
+  for (std::size_t i = 0; i < p.plane(); ++i) {
+    dark.data[i] = p.zone[first + i] == 1;
+    light.data[i] = p.zone[first + i] == 2;
+  }
   const cv::Mat around = cv::Mat::ones(2 * kBetween + 1, 2 * kBetween + 1, CV_8U);
   cv::dilate(dark, dark, around), cv::dilate(light, light, around);
   std::vector<std::uint8_t> out(p.plane());
@@ -182,7 +194,7 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
   for (std::size_t i = 0; i < kApart.size(); ++i)
     if (correlation[i] >= 0.5) width = kApart[i];
   for (std::size_t i = 0; i < kApart.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
+    const Eigen::Index row = i;
     const bool known = correlation[i] >= 0;
     for (std::size_t k = 0; k < kWidths.size(); ++k)
       a(row, static_cast<Eigen::Index>(k)) =
@@ -197,23 +209,28 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
     return;
   }
   for (std::size_t k = 0; k < kWidths.size(); ++k)
-    if (const double v = variance[static_cast<Eigen::Index>(k)] / variance.sum(); v > 1e-3)
+    if (const double v = variance[k] / variance.sum(); v > 1e-3)
       zones.sigma.push_back(kWidths[k]), zones.variance.push_back(static_cast<float>(v));
   std::vector<std::uint8_t> between;
   for (int s = 0; s < p.sections; ++s) {
-    const auto one = near_edges(p, static_cast<std::size_t>(s) * p.plane());
+    const auto one = near_edges(p, s * p.plane());
     between.insert(between.end(), one.begin(), one.end());
   }
   Mean mean[2];
   std::size_t left = p.pixels[0];
   for (std::size_t i = 0; i < p.zone.size(); ++i)
     if (p.zone[i] > 0) between[i] ? static_cast<void>(--left) : mean[p.zone[i] - 1].add(p.offset[i]);
-  zones.dark = mean[0].value(), zones.light = mean[1].value();
+  zones.dark = mean[0].value();
+  zones.light = mean[1].value();
   for (std::size_t i = 0; i < p.zone.size(); ++i) {
     if (p.zone[i] == 0) continue;
     p.offset[i] -= p.zone[i] == 1 ? zones.dark : zones.light;
-    if (between[i] && left >= kEnoughLeft)
-      p.phase[i] = -1, p.zone[i] = 0, p.offset[i].setZero(), --p.pixels[0];
+    if (between[i] && left >= kEnoughLeft) {
+      p.phase[i] = -1;
+      p.zone[i] = 0;
+      p.offset[i].setZero();
+      --p.pixels[0];
+    }
   }
   detail.zones = std::move(zones);
 }
@@ -226,16 +243,17 @@ void split_zone_contrasts(Phases& p, Detail& detail) {
       if (p.phase[i] == 0 && p.zone[i] > 0) use(i, static_cast<std::size_t>(p.zone[i] - 1));
   };
   each([&](std::size_t i, std::size_t z) {
-    sum[z] += static_cast<double>(p.offset[i].squaredNorm()), ++count[z];
+    sum[z] += p.offset[i].squaredNorm();
+    ++count[z];
   });
   const double all = (sum[0] + sum[1]) / std::max(1.0, count[0] + count[1]);
   if (!(all > 0)) return;
   float contrast[2];
   for (int z = 0; z < 2; ++z)
-    contrast[z] =
-        static_cast<float>(std::clamp(std::sqrt(sum[z] / std::max(1.0, count[z]) / all), 0.05, 3.0));
+    contrast[z] = std::clamp(std::sqrt(sum[z] / std::max(1.0, count[z]) / all), 0.05, 3.0);
   each([&](std::size_t i, std::size_t z) { p.offset[i] /= contrast[z]; });
-  detail.zones.dark_contrast = contrast[0], detail.zones.light_contrast = contrast[1];
+  detail.zones.dark_contrast = contrast[0];
+  detail.zones.light_contrast = contrast[1];
 }
 
 }  // namespace terrazzo::detail_solid

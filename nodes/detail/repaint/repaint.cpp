@@ -33,14 +33,23 @@ FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t
   double binder = 0, beside = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (ids[i] > 0) continue;
-    if (depth[i] > kClear)
-      sum += pixels[i].cast<double>(), ++binder;
-    else
-      mixed += pixels[i].cast<double>(), ++beside;
+    if (depth[i] > kClear) {
+      sum += pixels[i].cast<double>();
+      ++binder;
+    } else {
+      mixed += pixels[i].cast<double>();
+      ++beside;
+    }
   }
-  if (binder == 0) sum = mixed, binder = beside;
+  if (binder == 0) {
+    sum = mixed;
+    binder = beside;
+  }
   for (std::size_t i = 0; i < count; ++i)
-    if (ids[i] > 0) ++all[ids[i] - 1], clear[ids[i] - 1] += depth[i] > kClear;
+    if (ids[i] > 0) {
+      ++all[ids[i] - 1];
+      clear[ids[i] - 1] += depth[i] > kClear;
+    }
   const auto counts = [&](std::size_t i) {
     return ids[i] > 0 && (depth[i] > kClear || clear[ids[i] - 1] == 0);
   };
@@ -110,9 +119,7 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     std::vector<float> sizes_of(labels.count(), 0);
     for (std::size_t id = 1; id < sizes.size(); ++id) sizes_of[id - 1] = sizes[id];
     for (std::size_t i = 0; i < plane; ++i)
-      if (ids[i] > 0)
-        sum[ids[i] - 1] +=
-            Vec3(static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5, 1);
+      if (ids[i] > 0) sum[ids[i] - 1] += Vec3((i % width) + 0.5, (i / width) + 0.5, 1);
     for (std::int32_t k = 0; k < labels.count(); ++k) {
       const double n = std::max(1.0, sum[k].z());
       particles.position[k] = sum[k].z() > 0 ? place(sum[k].x() / n, sum[k].y() / n) : place(0, 0);

@@ -12,7 +12,8 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   constexpr double kSmooth = 1.5;  // pixels over which normals are smoothed
   const int margin = wrap ? kMargin : 0, w = width + 2 * margin, h = height + 2 * margin;
   const auto id = [&](int x, int y) {
-    x = (x - margin + kMargin * width) % width, y = (y - margin + kMargin * height) % height;
+    x = (x - margin + kMargin * width) % width;
+    y = (y - margin + kMargin * height) % height;
     return ids[static_cast<std::size_t>(y) * width + x];
   };
   cv::Mat inside(h, w, CV_8U, cv::Scalar(255)), distance, nearest;
@@ -26,7 +27,8 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
         if (a == b) return;
         inside.at<std::uint8_t>(y, x) = inside.at<std::uint8_t>(v, u) = 0;
         auto &of_a = particle.at<std::int32_t>(y, x), &of_b = particle.at<std::int32_t>(v, u);
-        of_a = a > 0 ? a : std::max(of_a, b), of_b = b > 0 ? b : std::max(of_b, a);
+        of_a = a > 0 ? a : std::max(of_a, b);
+        of_b = b > 0 ? b : std::max(of_b, a);
         any = true;
       };
       differ(x + 1, y), differ(x, y + 1);
@@ -44,7 +46,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       if (inside.at<std::uint8_t>(y, x) == 0)
-        owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y, x))] = particle.at<std::int32_t>(y, x);
+        owner[nearest.at<std::int32_t>(y, x)] = particle.at<std::int32_t>(y, x);
   out.depth.resize(pixels), out.particle.resize(pixels), out.normal.resize(pixels);
   cv::Mat depth(h, w, CV_32F);  // positive within particles
   for (int y = 0; y < h; ++y)
@@ -57,9 +59,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
       out.depth[i] = distance.at<float>(y + margin, x + margin) + 0.5f;
-      out.particle[i] =
-          ids[i] > 0 ? ids[i]
-                     : owner[static_cast<std::size_t>(nearest.at<std::int32_t>(y + margin, x + margin))];
+      out.particle[i] = ids[i] > 0 ? ids[i] : owner[nearest.at<std::int32_t>(y + margin, x + margin)];
       const auto at = [&](int u, int v) {
         return depth.at<float>(std::clamp(v + margin, 0, h - 1), std::clamp(u + margin, 0, w - 1));
       };
@@ -73,10 +73,10 @@ std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double 
   std::int32_t largest = 0;
   for (const auto id : ids) largest = std::max(largest, id);
   std::vector<std::int64_t> pixels(static_cast<std::size_t>(largest) + 1, 0);
-  for (const auto id : ids) ++pixels[static_cast<std::size_t>(id)];
+  for (const auto id : ids) ++pixels[id];
   std::vector<float> sizes(pixels.size(), 0.0f);
   for (std::size_t k = 1; k < sizes.size(); ++k)
-    sizes[k] = static_cast<float>(std::sqrt(4 * static_cast<double>(pixels[k]) / M_PI) * pixel);
+    sizes[k] = std::sqrt(4 * static_cast<double>(pixels[k]) / M_PI) * pixel;
   return sizes;
 }
 

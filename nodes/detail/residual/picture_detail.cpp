@@ -14,12 +14,12 @@ void add_to_picture(Vec3f* pixels, const PicturePlane& plane, std::span<const st
                     const ResidualField& detail, const Work& work) {
   const Outlines outlines = nearest_outlines(ids.data(), plane.width, plane.height, plane.wrap);
   const std::vector<float> sizes = sizes_of_particles(ids, std::sqrt(plane.mm_x * plane.mm_y));
-  const auto pixel = static_cast<float>(plane.mm_x);
+  const float pixel = plane.mm_x;
   const Vec3f right = plane.right.cast<float>(), up = plane.up.cast<float>();
-  work.quiet().parallel(static_cast<std::size_t>(plane.height), 4, [&](std::size_t begin, std::size_t end) {
+  work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       for (int x = 0; x < plane.width; ++x) {
-        const std::size_t at = row * static_cast<std::size_t>(plane.width) + static_cast<std::size_t>(x);
+        const std::size_t at = row * static_cast<std::size_t>(plane.width) + x;
         const double u = (x + 0.5) * plane.mm_x,
                      v = (plane.height - static_cast<double>(row) - 0.5) * plane.mm_y;
         const Vec3f mm = (plane.origin + u * plane.right + v * plane.up).cast<float>();

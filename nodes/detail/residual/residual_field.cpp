@@ -32,7 +32,7 @@ float periodic_noise(const Vec3f& p, const Vec3i& cells) {
   float f[3], u[3];
   for (int k = 0; k < 3; ++k) {
     at[k] = floor_of(p[k]);
-    f[k] = p[k] - static_cast<float>(at[k]);
+    f[k] = p[k] - at[k];
     u[k] = f[k] * f[k] * f[k] * (f[k] * (f[k] * 6 - 15) + 10);
   }
   float sum = 0;
@@ -41,15 +41,15 @@ float periodic_noise(const Vec3f& p, const Vec3i& cells) {
     std::uint64_t item = 0;
     float w = 1;
     for (int k = 0; k < 3; ++k) {
-      item = item * 65537 + static_cast<std::uint64_t>(wrap_index(at[k] + d[k], cells[k]));
+      item = item * 65537 + wrap_index(at[k] + d[k], cells[k]);
       w *= d[k] ? u[k] : 1 - u[k];
     }
     const std::uint64_t h = Random(1, layer_stream, item).bits();
     const auto side = [&](int bit) { return h >> bit & 1 ? 1.0f : -1.0f; };
-    const int flat = static_cast<int>((h >> 8) % 3);  // a gradient towards one of the twelve edges
+    const int flat = (h >> 8) % 3;  // a gradient towards one of the twelve edges
     float g = 0;
     for (int k = 0; k < 3; ++k)
-      if (k != flat) g += side(k) * (f[k] - static_cast<float>(d[k]));
+      if (k != flat) g += side(k) * (f[k] - d[k]);
     sum += w * g;
   }
   return sum;
@@ -61,7 +61,7 @@ float limited(float v, float limit) { return limit > 0 ? limit * std::tanh(v / l
 
 // One of the 24 rotations that map the axes to each other.
 Eigen::Matrix3f cube_turn(std::uint64_t which) {
-  const int first = static_cast<int>(which % 6), second = static_cast<int>(which / 6 % 4);
+  const int first = which % 6, second = which / 6 % 4;
   const int a = first / 2, b = (a + 1 + second / 2) % 3;
   Eigen::Matrix3f m = Eigen::Matrix3f::Zero();
   m(a, 0) = first % 2 ? -1.0f : 1.0f;
@@ -71,8 +71,7 @@ Eigen::Matrix3f cube_turn(std::uint64_t which) {
 }
 
 std::vector<Vec3f> values_of(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
-  const std::size_t nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y()),
-                    nz = static_cast<std::size_t>(size.z());
+  const std::size_t nx = size.x(), ny = size.y(), nz = size.z();
   std::vector<Vec3f> values(nx * ny * nz);
   work.quiet().parallel(nz, 4, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid.getConstAccessor();
@@ -117,8 +116,9 @@ ResidualField::ResidualField(const Volume& volume, const Vec3& box, const Work& 
     throw Error("bad-residual", "the residual's voxel size is not positive");
   for (int a = 0; a < 3; ++a) {
     const TileFit fit = fit_tile(box[a], size[a] * voxel);
-    periods_[a] = fit.periods, scale_[a] = fit.scale;
-    voxels_per_mm_[a] = static_cast<float>(fit.periods * size[a] / box[a]);
+    periods_[a] = fit.periods;
+    scale_[a] = fit.scale;
+    voxels_per_mm_[a] = fit.periods * size[a] / box[a];
   }
   add_tile(values_of(*grid, size, work), size, 1, Keep::Values, work);
 }
@@ -135,7 +135,8 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
   for (const Detail::Phase& phase : detail.phases) {
     const Vec3i size = Vec3i::Constant(detail.size);
     const double voxels = footprint / detail.pixel_size;
-    std::vector<Vec3f> values = phase.tile, broad = phase.broad;
+    std::vector<Vec3f> values = phase.tile;
+    broad = phase.broad;
     const bool zones = !tiles_.empty() && !broad.empty();
     if (!zones)
       for (std::size_t i = 0; i < broad.size(); ++i) values[i] += broad[i];
@@ -145,9 +146,11 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
       tiles_.back().broad = SplineTile(std::move(broad), size, keep, work.quiet());
       tiles_.back().zones = true;
     }
-    tiles_.back().rims = phase.rims, tiles_.back().gain = phase.gain;
+    tiles_.back().rims = phase.rims;
+    tiles_.back().gain = phase.gain;
     tiles_.back().grain_gain = phase.grain_gain;
-    tiles_.back().limit = kSteepest * phase.slope, tiles_.back().tilt = phase.tilt;
+    tiles_.back().limit = kSteepest * phase.slope;
+    tiles_.back().tilt = phase.tilt;
   }
   if (zones_ = detail.zones; !zones_.level.empty()) {
     constexpr double kPixelBlur = 0.4;  // of an edge that is seen in whole pixels or voxels
@@ -195,8 +198,8 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     const double radius = particles.size[p] / 2;
     if (radius > 0)
       for (int a = 0; a < 3; ++a)
-        place.slope[a] = static_cast<float>(
-            random.normal() * detail.phases[static_cast<std::size_t>(group_.back())].slope / radius);
+        place.slope[a] =
+            random.normal() * detail.phases[static_cast<std::size_t>(group_.back())].slope / radius;
     places_.push_back(place);
     // Without groups, offsets are the binder's.
     scales_.push_back(colors.empty() ? 1.0f : Detail::particle_scale(linear_to_srgb(particles.color[p])));
@@ -210,7 +213,7 @@ void ResidualField::place_cells(int size, double voxel) {
   for (int z = 0; z < cells_.z(); ++z)
     for (int y = 0; y < cells_.y(); ++y)
       for (int x = 0; x < cells_.x(); ++x) {
-        const auto item = static_cast<std::uint64_t>(cell_.size());
+        const std::uint64_t item = cell_.size();
         Random random(1, seed_stream, item);
         Vec3f seed(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
         for (int a = 0; a < 3; ++a) seed[a] += static_cast<float>(random.uniform(0.15, 0.85));
@@ -229,7 +232,7 @@ ResidualField::Place ResidualField::random_place(std::uint64_t stream, std::uint
   place.turn = cube_turn(turns.below(24));
   for (int a = 0; a < 3; ++a) {
     place.center[a] = (std::floor(center[a] * voxels_per_mm_[a]) + 0.5f) / voxels_per_mm_[a];
-    place.shift[a] = static_cast<float>(random.below(static_cast<std::uint64_t>(tiles_[0].spline.size()[a])));
+    place.shift[a] = random.below(static_cast<std::uint64_t>(tiles_[0].spline.size()[a]));
   }
   return place;
 }
@@ -237,7 +240,7 @@ ResidualField::Place ResidualField::random_place(std::uint64_t stream, std::uint
 Vec3f ResidualField::nearest_image(Vec3f offset) const {
   for (int a = 0; a < 3; ++a)
     if (std::abs(offset[a]) > 0.499f * box_[a])  // else the number of edges is 0
-      offset[a] -= box_[a] * static_cast<float>(floor_of(offset[a] / box_[a] + 0.5f));
+      offset[a] -= box_[a] * floor_of(offset[a] / box_[a] + 0.5f);
   return offset;
 }
 
@@ -247,7 +250,7 @@ Vec3f ResidualField::in_tile(const Place& place, const Vec3f& mm) const {
 
 Vec3f ResidualField::moved(std::uint64_t stream, std::uint64_t item) const {
   Random random(1, stream, item);
-  const auto x = static_cast<float>(random.uniform()), y = static_cast<float>(random.uniform());
+  const float x = random.uniform(), y = random.uniform();
   return Vec3f(x, y, static_cast<float>(random.uniform())).cwiseProduct(box_);
 }
 
@@ -256,7 +259,7 @@ Vec3f ResidualField::moved(std::uint64_t stream, std::uint64_t item) const {
 Vec3f ResidualField::binder(const Vec3f& mm) const {
   int near[3][3], nears[3];  // along each axis: cells around the point's, without repetition, and how many
   for (int a = 0; a < 3; ++a) {
-    const int home = floor_of(mm[a] / box_[a] * static_cast<float>(cells_[a]));
+    const int home = floor_of(mm[a] / box_[a] * cells_[a]);
     nears[a] = std::min(cells_[a], 3);
     for (int k = 0; k < nears[a]; ++k) near[a][k] = wrap_index(home + k - 1, cells_[a]);
   }
@@ -265,10 +268,9 @@ Vec3f ResidualField::binder(const Vec3f& mm) const {
   int count = 0;
   for (int z = 0; z < nears[2]; ++z)
     for (int y = 0; y < nears[1]; ++y) {
-      const std::size_t row = (static_cast<std::size_t>(near[2][z]) * cells_.y() + near[1][y]) *
-                              static_cast<std::size_t>(cells_.x());
+      const std::size_t row = (static_cast<std::size_t>(near[2][z]) * cells_.y() + near[1][y]) * cells_.x();
       for (int x = 0; x < nears[0]; ++x, ++count) {
-        index[count] = row + static_cast<std::size_t>(near[0][x]);
+        index[count] = row + near[0][x];
         squared[count] = nearest_image(mm - centers_[index[count]]).squaredNorm();
         least = std::min(least, squared[count]);
       }
@@ -299,14 +301,14 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
     return tiles_[0].spline.at(at.cwiseProduct(voxels_per_mm_) - Vec3f::Constant(0.5f));
   };
   if (periods_.maxCoeff() == 1) return spline(mm);
-  if (particle >= 0) return spline(mm + moved(particle_stream, static_cast<std::uint64_t>(particle)));
+  if (particle >= 0) return spline(mm + moved(particle_stream, particle));
   // Layers about a third of a tile thick.
   const float layer =
       5 * periodic_noise(mm.cwiseQuotient(box_).cwiseProduct(periods_.cast<float>()), periods_) + 100;
   const int low = floor_of(layer);
-  float t = std::clamp((layer - static_cast<float>(low) - 0.3f) / 0.4f, 0.0f, 1.0f);
+  float t = std::clamp((layer - low - 0.3f) / 0.4f, 0.0f, 1.0f);
   t = t * t * (3 - 2 * t);
-  const auto part = [&](int i) { return spline(mm + moved(binder_stream, static_cast<std::uint64_t>(i))); };
+  const auto part = [&](int i) { return spline(mm + moved(binder_stream, i)); };
   if (t <= 0) return part(low);
   if (t >= 1) return part(low + 1);
   return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));
@@ -319,7 +321,7 @@ Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size) 
 }
 
 float ResidualField::size_of(int particle, float size) const {
-  return particle >= 0 && !(size > 0) && phases_ ? shown_[static_cast<std::size_t>(particle)] : size;
+  return particle >= 0 && !(size > 0) && phases_ ? shown_[particle] : size;
 }
 
 Vec3f ResidualField::behind(const Vec3f& mm, int particle, float depth, float size) const {
@@ -343,8 +345,8 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
   const float known = size_of(particle, size);
   Vec3f sum = (1 - cover) * Detail::light_at(tiles_[0].rims, bins, known, normal);
   if (cover > 0) {
-    const auto p = static_cast<std::size_t>(particle);
-    const Tile& tile = tiles_[static_cast<std::size_t>(group_[p])];
+    const std::size_t p = particle;
+    const Tile& tile = tiles_[group_[p]];
     Vec3f own = Detail::light_at(tile.rims, bins, known, normal);
     if (shown_[p] > 0) {
       const Vec3f across = nearest_image(mm - places_[p].center) / (shown_[p] / 2);
@@ -358,7 +360,7 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
 
 Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size) const {
   const float bins = depth * rims_per_mm_;
-  const auto p = static_cast<std::size_t>(std::max(particle, 0));
+  const std::size_t p = std::max(particle, 0);
   const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);

@@ -18,7 +18,7 @@ std::vector<std::size_t> find_specks(const Vec3f* encoded, const std::vector<std
     if (v.empty()) return {};
     middle[c] = median(v);
     for (float& x : v) x = std::abs(x - middle[c]);
-    reach[c] = static_cast<float>(limit * std::max(1.4826 * median(v), 0.002));
+    reach[c] = limit * std::max(1.4826 * median(v), 0.002);
   }
   std::vector<std::size_t> far;
   for (std::size_t i = 0; i < binder.size(); ++i)

@@ -14,22 +14,21 @@ namespace {
 // Converts samples of a period to the coefficients of the cubic spline through them, in place (Unser 1999).
 void spline_coefficients(std::vector<Vec3f>& line) {
   const float z = std::sqrt(3.0f) - 2;
-  const int n = static_cast<int>(line.size());
+  const int n = line.size();
   const float around = 1 - std::pow(z, static_cast<float>(n));
   Vec3f first = Vec3f::Zero();
   float power = 1;
-  for (int k = 0; k < n; ++k, power *= z) first += power * line[static_cast<std::size_t>(wrap_index(-k, n))];
+  for (int k = 0; k < n; ++k, power *= z) first += power * line[wrap_index(-k, n)];
   line[0] = first / around;
-  for (int i = 1; i < n; ++i) line[static_cast<std::size_t>(i)] += z * line[static_cast<std::size_t>(i - 1)];
+  for (int i = 1; i < n; ++i) line[i] += z * line[i - 1];
   Vec3f last = Vec3f::Zero();
   power = 1;
-  for (int k = 0; k < n; ++k, power *= z)
-    last += power * line[static_cast<std::size_t>(wrap_index(n - 1 + k, n))];
+  for (int k = 0; k < n; ++k, power *= z) last += power * line[wrap_index(n - 1 + k, n)];
   Vec3f next = -z * last / around;
-  line[static_cast<std::size_t>(n - 1)] = 6 * next;
+  line[n - 1] = 6 * next;
   for (int i = n - 2; i >= 0; --i) {
-    next = z * (next - line[static_cast<std::size_t>(i)]);
-    line[static_cast<std::size_t>(i)] = 6 * next;
+    next = z * (next - line[i]);
+    line[i] = 6 * next;
   }
 }
 
@@ -52,17 +51,19 @@ std::vector<float> power_kernel() {
 
 void weights(float t, float w[4]) {
   const float s = 1 - t;
-  w[0] = s * s * s / 6, w[1] = (4 - 6 * t * t + 3 * t * t * t) / 6;
-  w[2] = (4 - 6 * s * s + 3 * s * s * s) / 6, w[3] = t * t * t / 6;
+  w[0] = s * s * s / 6;
+  w[1] = (4 - 6 * t * t + 3 * t * t * t) / 6;
+  w[2] = (4 - 6 * s * s + 3 * s * s * s) / 6;
+  w[3] = t * t * t / 6;
 }
 
 // Calls use(line) for every line of the tile along axis a, and writes the changed line back.
 template <class Use>
 void each_line(std::vector<Vec3f>& values, const Vec3i& size, int a, const Work& work, Use&& use) {
-  const std::size_t nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
+  const std::size_t nx = size.x(), ny = size.y();
   const std::size_t step[3] = {1, nx, nx * ny};
   const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;  // lines along a start at every (b, c)
-  work.parallel(static_cast<std::size_t>(size[c]), 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(size[c], 4, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3f> line(static_cast<std::size_t>(size[a]));
     for (std::size_t j = begin; j < end; ++j)
       for (std::size_t i = 0; i < static_cast<std::size_t>(size[b]); ++i) {
@@ -76,12 +77,10 @@ void each_line(std::vector<Vec3f>& values, const Vec3i& size, int a, const Work&
 
 // Convolves a period with a Gaussian of `sigma` samples.
 void smooth_line(std::vector<Vec3f>& line, const std::vector<float>& kernel, std::vector<Vec3f>& buffer) {
-  const int n = static_cast<int>(line.size()), reach = static_cast<int>(kernel.size()) / 2;
+  const int n = line.size(), reach = static_cast<int>(kernel.size()) / 2;
   buffer.assign(line.size(), Vec3f::Zero());
   for (int i = 0; i < n; ++i)
-    for (int t = -reach; t <= reach; ++t)
-      buffer[static_cast<std::size_t>(i)] +=
-          kernel[static_cast<std::size_t>(t + reach)] * line[static_cast<std::size_t>(wrap_index(i + t, n))];
+    for (int t = -reach; t <= reach; ++t) buffer[i] += kernel[t + reach] * line[wrap_index(i + t, n)];
   line.swap(buffer);
 }
 
@@ -95,7 +94,7 @@ double variance_of(const std::vector<Vec3f>& values) {
   const Vec3 mean = mean_of(values);
   double sum = 0;
   for (const Vec3f& v : values) sum += (v.cast<double>() - mean).squaredNorm();
-  return sum / static_cast<double>(values.size());
+  return sum / values.size();
 }
 
 }  // namespace
@@ -132,7 +131,7 @@ void widen_footprint(std::vector<Vec3f>& values, const Vec3i& size, double footp
     }
   }
   const double solid = variance_of(all);
-  const auto gain = static_cast<float>(solid > 0 ? std::sqrt(slices / solid) : 1);
+  const float gain = solid > 0 ? std::sqrt(slices / solid) : 1;
   const Vec3f mean = mean_of(all).cast<float>();
   for (Vec3f& v : all) v = mean + gain * (v - mean);
   values = std::move(all);
@@ -163,9 +162,8 @@ Vec3f SplineTile::at(const Vec3f& p) const {
                                static_cast<std::size_t>(size_.x()) * size_.y()};
   for (int k = 0; k < 3; ++k) {
     const int low = floor_of(p[k]);
-    weights(p[k] - static_cast<float>(low), w[k]);
-    for (int i = 0; i < 4; ++i)
-      at[k][i] = static_cast<std::size_t>(wrap_index(low + i - 1, size_[k])) * step[k];
+    weights(p[k] - low, w[k]);
+    for (int i = 0; i < 4; ++i) at[k][i] = wrap_index(low + i - 1, size_[k]) * step[k];
   }
   // Three channels and, unused, the first one of the next voxel. Two rows are read at once, which takes half
   // of the time, and added in order.

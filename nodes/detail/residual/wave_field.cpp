@@ -27,13 +27,13 @@ WaveField::WaveField(std::span<const float> sigma, std::span<const float> varian
     phase_.push_back(static_cast<float>(random.uniform(0, 2 * std::numbers::pi)));
     squares += wave.squaredNorm();
   }
-  slope_ = static_cast<float>(std::sqrt(squares / (3.0 * kWaves)));
+  slope_ = std::sqrt(squares / (3.0 * kWaves));
 }
 
 float WaveField::at(const Vec3f& mm) const {
   float sum = 0;
   for (std::size_t i = 0; i < wave_.size(); ++i) sum += std::cos(wave_[i].dot(mm) + phase_[i]);
-  return sum * std::sqrt(2.0f / static_cast<float>(wave_.size()));
+  return sum * std::sqrt(2.0f / wave_.size());
 }
 
 }  // namespace terrazzo::residual

@@ -31,9 +31,10 @@ double table_deviation(const Quantiles& q) {
   double first = 0, second = 0;
   for (std::size_t i = 0; i + 1 < q.at.size(); ++i) {
     const double a = q.at[i], b = q.at[i + 1];
-    first += (a + b) / 2, second += (a * a + a * b + b * b) / 3;
+    first += (a + b) / 2;
+    second += (a * a + a * b + b * b) / 3;
   }
-  const double n = static_cast<double>(q.at.size() - 1);
+  const double n = q.at.size() - 1;
   return std::sqrt(std::max(0.0, second / n - first / n * (first / n)));
 }
 
@@ -49,7 +50,8 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
     pooled += covariance(r, work.part(0, 0)) / static_cast<double>(residuals.size());
   }
   Exemplar out;
-  out.scales = scales, out.picture = picture;
+  out.scales = scales;
+  out.picture = picture;
   const auto solver = eigen_axes(pooled);
   const double largest = solver.eigenvalues()[2];
   out.axes = principal_axes(solver);
@@ -69,10 +71,9 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
       for (int y = 0; y < from.height; ++y)
         for (int x = 0; x < from.width; ++x)
           rotated.at(x, from.height - 1 - y, s) = to_axes * from.at(x, y, s);
-    const double n = static_cast<double>(residuals.size());
-    measured.push_back(measure_bands(rotated, out.channels, scales,
-                                     work.part(static_cast<double>(r) / n, static_cast<double>(r + 1) / n),
-                                     orientations));
+    const double n = residuals.size();
+    measured.push_back(
+        measure_bands(rotated, out.channels, scales, work.part(r / n, (r + 1) / n), orientations));
     out.bands.push_back(measured.back().bands);
     // Give values the deviation of all bands together; otherwise matching values undoes matching bands.
     for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
@@ -86,7 +87,7 @@ Exemplar measure_exemplar(const std::vector<Image>& residuals, const std::array<
   }
   for (std::size_t c = 0; c < static_cast<std::size_t>(out.channels); ++c) {
     std::vector<const Quantiles*> values;
-    for (const int p : picture) values.push_back(&measured[static_cast<std::size_t>(p)].values[c]);
+    for (const int p : picture) values.push_back(&measured[p].values[c]);
     const bool one = picture[0] == picture[1] && picture[1] == picture[2];
     out.values.push_back(one ? *values[0] : mixture(values));
   }

@@ -54,7 +54,7 @@ struct Measured {
 Measured measure_pictures(Context& c) {
   constexpr std::array<const char*, 3> kSuffix = {"", "_y", "_z"};
   Measured out;
-  const auto edge = static_cast<int>(c.integer("edge"));
+  const int edge = c.integer("edge");
   for (int a = 0; a < 3; ++a) {
     const std::string image_port = std::string("image") + kSuffix[a],
                       labels_port = std::string("labels") + kSuffix[a];
@@ -72,7 +72,9 @@ Measured measure_pictures(Context& c) {
                               image.pixel_size, first),
                   "use pictures with the same pixel size");
     Labels none;
-    none.width = image.width, none.height = image.height, none.sections = image.sections;
+    none.width = image.width;
+    none.height = image.height;
+    none.sections = image.sections;
     none.pixel_size = image.pixel_size;
     const bool labeled = c.has(labels_port);
     if (!labeled) none.ids.assign(image.pixels.size(), 0);
@@ -89,12 +91,13 @@ Measured measure_pictures(Context& c) {
       output_pictures(c, residual);
       out.binder = residual.binder;
     }
-    out.picture[a] = static_cast<int>(out.residuals.size());
+    out.picture[a] = out.residuals.size();
     out.residuals.push_back(residual.image);
-    out.filled += residual.filled, out.specks += residual.specks;
+    out.filled += residual.filled;
+    out.specks += residual.specks;
   }
-  out.filled /= static_cast<double>(out.residuals.size());
-  out.specks /= static_cast<double>(out.residuals.size());
+  out.filled /= out.residuals.size();
+  out.specks /= out.residuals.size();
   return out;
 }
 
@@ -116,7 +119,7 @@ void compute(Context& c) {
                                              radial ? 1 : 4, work.part(0.05, 0.15));
   if (exemplar.channels == 0)
     c.warn("the photograph shows nothing beyond its profiles' mean colors, so the residual is zero");
-  const auto rounds = static_cast<int>(c.integer("rounds"));
+  const int rounds = c.integer("rounds");
   const auto seed = c.seed();
   const auto voxels = radial ? synthesize_radial(exemplar, size, rounds, seed, work.part(0.15, 0.9))
                              : synthesize_residual(exemplar, size, rounds, seed, work.part(0.15, 0.9));

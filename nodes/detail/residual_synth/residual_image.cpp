@@ -28,7 +28,7 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
   for (int step = 0; step < cap; ++step) {
     next = depth;
     work.part(0, 0).parallel(h, 64, [&](std::size_t begin, std::size_t end) {
-      for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int y = begin; y < static_cast<int>(end); ++y)
         for (int x = 0; x < w; ++x) {
           const std::size_t at = static_cast<std::size_t>(y) * w + x;
           if (depth[at] < cap) continue;
@@ -36,7 +36,7 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
                                       : around(x, y, [&](int u, int v) {
                                           return depth[static_cast<std::size_t>(v) * w + u] < cap;
                                         });
-          if (edge) next[at] = static_cast<std::uint8_t>(step);
+          if (edge) next[at] = step;
         }
     });
     depth.swap(next);
@@ -48,7 +48,7 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
 std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, int w, int h) {
   std::vector<std::int32_t> nearest(valid.size(), -1);
   for (std::size_t i = 0; i < valid.size(); ++i)
-    if (valid[i]) nearest[i] = static_cast<std::int32_t>(i);
+    if (valid[i]) nearest[i] = i;
   const auto offer = [&](int x, int y, int u, int v) {
     if (u < 0 || v < 0 || u >= w || v >= h) return;
     const std::int32_t candidate = nearest[static_cast<std::size_t>(v) * w + u];
@@ -80,8 +80,7 @@ std::size_t clear_specks(const Vec3f* pixels, const std::int32_t* ids, double li
   for (std::size_t i = 0; i < valid.size(); ++i) binder[i] = valid[i] && ids[i] == 0;
   const std::vector<std::size_t> far = residual::find_specks(pixels, binder, limit);
   for (const std::size_t i : far) {
-    const int x = static_cast<int>(i % static_cast<std::size_t>(w)),
-              y = static_cast<int>(i / static_cast<std::size_t>(w));
+    const int x = i % static_cast<std::size_t>(w), y = i / static_cast<std::size_t>(w);
     for (int b = std::max(0, y - edge); b <= std::min(h - 1, y + edge); ++b)
       for (int a = std::max(0, x - edge); a <= std::min(w - 1, x + edge); ++a)
         valid[static_cast<std::size_t>(b) * w + a] = 0;
@@ -104,8 +103,12 @@ void subtract_means(Vec3f* pixels, Vec3f* means, const std::int32_t* ids,
   for (std::size_t i = 0; i < valid.size(); ++i) {
     Sum& s = sums[ids[i]];
     const Vec3 v = pixels[i].cast<double>();
-    s.all += v, ++s.count;
-    if (valid[i]) s.valid += v, ++s.valid_count;
+    s.all += v;
+    ++s.count;
+    if (valid[i]) {
+      s.valid += v;
+      ++s.valid_count;
+    }
   }
   std::map<std::int32_t, Vec3f> mean;
   for (const auto& [id, sum] : sums) mean[id] = sum.mean();
@@ -152,7 +155,8 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   const int w = image.width, h = image.height;
   const std::size_t plane = static_cast<std::size_t>(w) * h;
   ResidualImage out;
-  out.image = out.means = image, out.edge = edge;
+  out.image = out.means = image;
+  out.edge = edge;
   std::vector<std::uint8_t> depth;
   for (int s = 0; s < image.sections; ++s) {
     const auto d = depth_in_label(labels, s, edge, work);
@@ -175,10 +179,14 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
     if (specks > 0) far += clear_specks(pixels, ids, specks, edge, w, h, valid);
     subtract_means(pixels, &out.means.pixels[s * plane], ids, valid);
     fill(pixels, valid, w, h);
-    for (std::size_t i = 0; i < plane; ++i) total += pixels[i].cast<double>(), filled += !valid[i];
+    for (std::size_t i = 0; i < plane; ++i) {
+      total += pixels[i].cast<double>();
+      filled += !valid[i];
+    }
   }
-  const double pixels = static_cast<double>(out.image.pixels.size());
-  out.filled = static_cast<double>(filled) / pixels, out.specks = static_cast<double>(far) / pixels;
+  const double pixels = out.image.pixels.size();
+  out.filled = filled / pixels;
+  out.specks = far / pixels;
   const Vec3f mean = (total / pixels).cast<float>();
   for (auto& p : out.image.pixels) p -= mean;
   Vec3 binder = Vec3::Zero(), all = Vec3::Zero();
@@ -186,7 +194,10 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   for (std::size_t i = 0; i < out.means.pixels.size(); ++i) {
     const Vec3 m = out.means.pixels[i].cast<double>();
     all += m;
-    if (labels.ids[i] == 0) binder += m, ++count;
+    if (labels.ids[i] == 0) {
+      binder += m;
+      ++count;
+    }
   }
   out.binder = (count > 0 ? Vec3(binder / count) : Vec3(all / pixels)).cast<float>();
   return out;

@@ -79,8 +79,7 @@ PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands
     }
     for (int a = 0; a < 3; ++a)
       for (std::size_t b = 0; b < nb; ++b) {
-        const double deviation = (*bands[static_cast<std::size_t>(a)])[b].deviation,
-                     wanted = deviation * deviation;
+        const double deviation = (*bands[a])[b].deviation, wanted = deviation * deviation;
         const double ratio = variance[a][b] > 0 ? std::max(wanted, 1e-20) / variance[a][b] : 1;
         factor[a][b] *= std::pow(std::clamp(ratio, 1e-3, 1e3), 0.4);
       }
@@ -96,12 +95,11 @@ std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size,
     for (std::size_t i = begin; i < end; ++i) {
       // The sum of four uniform numbers is close enough to Gaussian; variance 1.
       const std::uint64_t bits = Random(seed, stream, i).bits();
-      const auto sum =
-          static_cast<float>((bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48));
+      const float sum = (bits & 0xffff) + (bits >> 16 & 0xffff) + (bits >> 32 & 0xffff) + (bits >> 48);
       out[i] = (sum - 131070.0f) * (std::numbers::sqrt3_v<float> / 65536);
     }
   });
-  for (int a = 0; a < 3; ++a) families[static_cast<std::size_t>(a)].filter(out, factor[a], space, work);
+  for (int a = 0; a < 3; ++a) families[a].filter(out, factor[a], space, work);
   return out;
 }
 

@@ -32,8 +32,7 @@ class Channel {
       for (std::size_t i = begin; i < end; ++i) sum[i] = -2 * volume[i];
     });
     for (int axis = 0; axis < 3; ++axis)
-      families_[static_cast<std::size_t>(axis)].match(volume, wanted(axis), 1, sum, space_,
-                                                      work.part(axis / 3.0, (axis + 1) / 3.0));
+      families_[axis].match(volume, wanted(axis), 1, sum, space_, work.part(axis / 3.0, (axis + 1) / 3.0));
     volume.swap(sum);
   }
 
@@ -55,7 +54,7 @@ class Channel {
       if (furthest < kNear) return;
       for (int axis = 0; axis < 3; ++axis)
         families_[axis].balance(volume, wanted(axis), aim[axis], space_, work);
-      match_values(volume, exemplar_.values[static_cast<std::size_t>(channel_)], work);
+      match_values(volume, exemplar_.values[channel_], work);
     }
   }
 
@@ -91,7 +90,7 @@ std::vector<Vec3f> synthesize_residual(const Exemplar& exemplar, const Vec3i& si
     if (rounds == 0) match_values(volume, exemplar.values[c], quiet);
     double mean = 0;
     for (const float v : volume) mean += v;
-    mean /= static_cast<double>(n);
+    mean /= n;
     const Vec3f axis = exemplar.axes.col(c).cast<float>();
     quiet.parallel(n, 1 << 15, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) out[i] += (volume[i] - static_cast<float>(mean)) * axis;
@@ -114,7 +113,7 @@ std::vector<double> slice_deviations(const Exemplar& exemplar, const Vec3i& size
       const SliceFamily family(size, axis, exemplar.scales);
       const auto deviations = family.deviations(channel, exemplar.wanted(axis, c), space, work.quiet());
       for (std::size_t b = 0; b < deviations.size(); ++b) {
-        double& w = worst[static_cast<std::size_t>(family.bands()[b].scale)];
+        double& w = worst[family.bands()[b].scale];
         if (std::abs(deviations[b] - 1) > std::abs(w - 1)) w = deviations[b];
       }
     }

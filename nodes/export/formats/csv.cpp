@@ -74,7 +74,7 @@ std::string csv_of(const Particles& particles) {
   Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
              "color_g", "color_b", "void"});
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    out.integer(static_cast<std::int64_t>(i)), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
+    out.integer(i), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
     out.vector(particles.position[i]);
     out.number(particles.orientation[i].w()), out.vector(particles.orientation[i].vec());
     out.number(particles.scale[i]), out.number(particles.size[i]), out.vector(particles.color[i]);
@@ -102,7 +102,7 @@ std::string csv_of(const KMatrix& kmatrix) {
   Lines out(header);
   for (std::size_t s = 0; s < kmatrix.shapes.size(); ++s)
     for (Eigen::Index i = 0; i < kmatrix.shapes[s].K.rows(); ++i) {
-      out.integer(static_cast<std::int64_t>(s)), out.integer(i + 1);
+      out.integer(s), out.integer(i + 1);
       for (Eigen::Index j = 0; j < kmatrix.shapes[s].K.cols(); ++j) out.number(kmatrix.shapes[s].K(i, j));
       out.end();
     }
@@ -114,8 +114,8 @@ std::string csv_of(const Shapes& shapes) {
              "max_section_area"});
   for (const auto& s : shapes.shapes) {
     out.word(s.name), out.number(s.probability);
-    out.integer(static_cast<std::int64_t>(s.mesh.vertices.size()));
-    out.integer(static_cast<std::int64_t>(s.mesh.triangles.size()));
+    out.integer(s.mesh.vertices.size());
+    out.integer(s.mesh.triangles.size());
     out.number(s.volume), out.number(s.surface_area), out.number(s.mean_caliper),
         out.number(s.max_section_area);
     out.end();

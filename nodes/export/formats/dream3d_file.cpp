@@ -96,10 +96,10 @@ void add_geometry(Hdf5Output& file, const VoxelBox& box) {
   std::array<std::int64_t, 3> size;
   std::array<float, 3> spacing, origin;
   for (int a = 0; a < 3; ++a) {
-    const auto k = static_cast<std::size_t>(a);
+    const std::size_t k = a;
     size[k] = box.size[a];
-    spacing[k] = static_cast<float>(box.spacing[a] * kMicrometersPerMm);
-    origin[k] = static_cast<float>(box.corner[a] * kMicrometersPerMm);
+    spacing[k] = box.spacing[a] * kMicrometersPerMm;
+    origin[k] = box.corner[a] * kMicrometersPerMm;
     if (!std::isnormal(spacing[k]) || !std::isfinite(origin[k]))
       throw Error("too-large", "the size or position of a voxel is beyond the numbers of the format",
                   "scale the volume");
@@ -116,15 +116,15 @@ void add_cells(Hdf5Output& file, const Dream3dContent& content, const Work& work
                          static_cast<std::uint64_t>(n.z())};
   add_matrix(file, kCells, kCellMatrix, tuples);
   const std::uint64_t rows = std::max<std::uint64_t>(1, (std::uint64_t{1} << 22) / content.box.plane());
-  const double arrays = static_cast<double>(content.grids.size() + (content.regions ? 2 : 0));
+  const double arrays = content.grids.size() + (content.regions ? 2 : 0);
   double done = 0;
   const auto add = [&](const std::string& name, const VoxelSource& grid, auto&& change) {
-    const auto components = static_cast<std::uint64_t>(grid.components());
+    const std::uint64_t components = grid.components();
     const Hdf5Type type = grid.whole() ? Hdf5Type::Int32 : Hdf5Type::Float;
     file.dataset(kCells + "/" + name, type, {tuples[2], tuples[1], tuples[0], components}, rows,
                  [&](std::uint64_t z0, std::uint64_t z1, void* out) {
                    work.check();
-                   grid.read(static_cast<int>(z0), static_cast<int>(z1), out);
+                   grid.read(z0, z1, out);
                    change(static_cast<std::int32_t*>(out), content.box.plane() * (z1 - z0));
                    work.progress((done + double(z1) / double(tuples[2])) / arrays);
                  });
@@ -163,12 +163,12 @@ void add_features(Hdf5Output& file, const Dream3dContent& content) {
     phases.push_back(r.phase), particle.push_back(r.particle);
     elements.push_back(static_cast<std::int32_t>(std::min<std::size_t>(r.voxels, 0x7fffffff)));
     active.push_back(phases.size() > 1);
-    const double volume = static_cast<double>(r.voxels) * voxel;
+    const double volume = r.voxels * voxel;
     volumes.push_back(static_cast<float>(volume));
     diameters.push_back(static_cast<float>(std::cbrt(6 * volume / std::numbers::pi)));
     if (!content.particles) continue;
     const bool one = r.particle >= 0;
-    const auto p = static_cast<std::size_t>(r.particle);
+    const std::size_t p = r.particle;
     const Quat turn = one ? content.particles->orientation[p].normalized() : Quat::Identity();
     // DREAM3D stores the rotation from the sample to the crystal.
     for (const double v : {-turn.x(), -turn.y(), -turn.z(), turn.w()})
@@ -202,7 +202,7 @@ void add_ensembles(Hdf5Output& file, const Regions& regions) {
     names[k] =
         k == 0 ? "BINDER" : Region{.is = Region::Is::Phase, .cls = static_cast<std::int32_t>(k) - 1}.name();
   for (const Region& r : regions.all)
-    if (r.is == Region::Is::Void) names[static_cast<std::size_t>(r.phase)] = "VOIDS";
+    if (r.is == Region::Is::Void) names[r.phase] = "VOIDS";
   std::vector<std::uint32_t> crystals(names.size(), kUnknownCrystal), types(names.size(), kPrimaryPhase);
   types[0] = kUnknownPhase;
   add_matrix(file, kEnsembles, kEnsembleMatrix, {names.size()});

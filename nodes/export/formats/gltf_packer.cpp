@@ -61,7 +61,8 @@ int GltfPacker::floats(const std::vector<float>& data, int components, int targe
       components == 1 ? TINYGLTF_TYPE_SCALAR : components;  // a vector's type is its number of components
   a.count = data.size() / components;
   if (bounds) {
-    a.minValues.assign(data.begin(), data.begin() + components), a.maxValues = a.minValues;
+    a.minValues.assign(data.begin(), data.begin() + components);
+    a.maxValues = a.minValues;
     for (std::size_t i = 0; i < data.size(); ++i) {
       a.minValues[i % components] = std::min(a.minValues[i % components], double(data[i]));
       a.maxValues[i % components] = std::max(a.maxValues[i % components], double(data[i]));

@@ -85,7 +85,9 @@ herr_t write_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size,
       disk_error = count < 0 ? errno : ENOSPC;
       break;
     }
-    from += count, at += static_cast<haddr_t>(count), size -= static_cast<std::size_t>(count);
+    from += count;
+    at += count;
+    size -= count;
   }
   return 0;
 }
@@ -96,7 +98,9 @@ herr_t read_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, 
     const ssize_t count = ::pread(disk_of(file)->descriptor, to, size, static_cast<off_t>(at));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
-    to += count, at += static_cast<haddr_t>(count), size -= static_cast<std::size_t>(count);
+    to += count;
+    at += count;
+    size -= count;
   }
   std::memset(to, 0, size);  // beyond the end, or lost
   return 0;
@@ -118,7 +122,10 @@ hid_t disk_access() {
     d.name = "terrazzo";
     d.maxaddr = (haddr_t{1} << 62) - 1;
     d.fc_degree = H5F_CLOSE_STRONG;
-    d.open = open_disk, d.close = close_disk, d.write = write_disk, d.read = read_disk,
+    d.open = open_disk;
+    d.close = close_disk;
+    d.write = write_disk;
+    d.read = read_disk;
     d.truncate = truncate_disk;
     d.query = [](const H5FD_t*, unsigned long* flags) -> herr_t {
       *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_AGGREGATE_SMALLDATA | H5FD_FEAT_ACCUMULATE_METADATA;
@@ -226,7 +233,8 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
     const std::uint64_t count = std::min(rows, size[0] - first);
     fill(first, first + count, block.data());
     std::vector<hsize_t> start(extent.size(), 0), part = extent;
-    start[0] = first, part[0] = count;
+    start[0] = first;
+    part[0] = count;
     Hdf5Handle memory(state_->checked(H5Screate_simple(static_cast<int>(part.size()), part.data(), nullptr)),
                       H5Sclose);
     if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr) < 0 ||

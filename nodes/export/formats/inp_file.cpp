@@ -35,7 +35,7 @@ class InpText {
 struct InpNodes {
   explicit InpNodes(const VoxelBox& box) : n(box.size + Vec3i::Ones()) {}
   std::int64_t label(int i, int j, int k) const {
-    return 1 + i + static_cast<std::int64_t>(n.x()) * (j + static_cast<std::int64_t>(n.y()) * k);
+    return 1 + i + n.x() * (j + static_cast<std::int64_t>(n.y()) * k);
   }
   std::int64_t label(const Vec3i& at) const { return label(at.x(), at.y(), at.z()); }
   Vec3i n;
@@ -51,7 +51,10 @@ void add_node_set(InpText& text, const InpNodes& nodes, const std::string& name,
     for (int j = lo.y(); j <= hi.y(); ++j)
       for (int i = lo.x(); i <= hi.x(); ++i) {
         text.add("{}{}", on_line ? ", " : "", nodes.label(i, j, k));
-        if (++on_line == 12) text.add("\n"), on_line = 0;
+        if (++on_line == 12) {
+          text.add("\n");
+          on_line = 0;
+        }
       }
   if (on_line) text.add("\n");
 }
@@ -71,13 +74,17 @@ void add_node_sets(InpText& text, const InpNodes& nodes, const Work& work) {
       const std::string name = fmt::format("{}{}", kAxes[a], side);
       add("SIDE_" + name, lo, hi);
       for (int b = 0; b < 3; ++b)
-        if (b != a) ++lo[b], --hi[b];
+        if (b != a) {
+          ++lo[b];
+          --hi[b];
+        }
       add("FACE_" + name, lo, hi);
     }
   for (int a = 0; a < 3; ++a)
     for (int sides = 0; sides < 4; ++sides) {
       Vec3i lo = Vec3i::Zero(), hi = last;
-      ++lo[a], --hi[a];
+      ++lo[a];
+      --hi[a];
       std::string name = "EDGE";
       for (int b = 0, bit = 0; b < 3; ++b) {
         if (b == a) continue;
@@ -111,7 +118,7 @@ InpElements sort_voxels(const VoxelSource& id, const VoxelBox& box, const Region
     work.check();
     id.read(z, z + 1, plane.data());
     for (std::size_t i = 0; i < plane.size(); ++i)
-      out.voxel[next[regions.number(plane[i])]++] = static_cast<std::uint32_t>(box.plane() * z + i);
+      out.voxel[next[regions.number(plane[i])]++] = box.plane() * z + i;
   }
   return out;
 }
@@ -130,8 +137,10 @@ void add_set_of_sets(InpText& text, const std::string& name, const Regions& regi
 void add_element_sets(InpText& text, const Regions& regions) {
   std::int32_t last_phase = 0;
   bool by_particle = false;
-  for (const Region& r : regions.all)
-    last_phase = std::max(last_phase, r.phase), by_particle = by_particle || r.is == Region::Is::Particle;
+  for (const Region& r : regions.all) {
+    last_phase = std::max(last_phase, r.phase);
+    by_particle = by_particle || r.is == Region::Is::Particle;
+  }
   using Is = Region::Is;
   if (by_particle)
     for (std::int32_t phase = 1; phase <= last_phase; ++phase)
@@ -191,7 +200,7 @@ void write_inp(const std::filesystem::path& path, const VoxelSource& id, const V
         }
     }
     const Work element_work = work.part(0.4, 0.9);
-    const auto nx = static_cast<std::size_t>(box.size.x());
+    const std::size_t nx = box.size.x();
     for (std::size_t r = 0; r < regions.all.size(); ++r) {
       if (regions.all[r].voxels == 0) continue;
       text.add("*ELEMENT, TYPE=C3D8, ELSET={}\n", regions.all[r].name());

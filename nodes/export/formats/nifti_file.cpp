@@ -34,10 +34,13 @@ class NiftiStream {
     const auto* at = static_cast<const Bytef*>(data);
     do {
       const std::size_t part = std::min<std::size_t>(size, 1u << 30);  // zlib's lengths have 32 bits
-      z_.next_in = const_cast<Bytef*>(at), z_.avail_in = static_cast<uInt>(part);
-      at += part, size -= part;
+      z_.next_in = const_cast<Bytef*>(at);
+      z_.avail_in = part;
+      at += part;
+      size -= part;
       do {
-        z_.next_out = buffer_.data(), z_.avail_out = static_cast<uInt>(buffer_.size());
+        z_.next_out = buffer_.data();
+        z_.avail_out = buffer_.size();
         deflate(&z_, last && size == 0 ? Z_FINISH : Z_NO_FLUSH);
         out_.write(reinterpret_cast<const char*>(buffer_.data()),
                    static_cast<std::streamsize>(buffer_.size() - z_.avail_out));
@@ -78,9 +81,9 @@ std::string nifti_header(const VoxelBox& box, bool whole, std::size_t voxels_at)
   put(254, std::int16_t{1});                           // sform_code: scanner
   const Vec3 center = box.corner + 0.5 * box.spacing;  // of voxel (0, 0, 0)
   for (std::size_t k = 0; k < 3; ++k) {
-    put(268 + 4 * k, static_cast<float>(center[static_cast<Eigen::Index>(k)]));                // qoffset
-    put(280 + 16 * k + 4 * k, static_cast<float>(box.spacing[static_cast<Eigen::Index>(k)]));  // srow
-    put(280 + 16 * k + 12, static_cast<float>(center[static_cast<Eigen::Index>(k)]));
+    put(268 + 4 * k, static_cast<float>(center[k]));                // qoffset
+    put(280 + 16 * k + 4 * k, static_cast<float>(box.spacing[k]));  // srow
+    put(280 + 16 * k + 12, static_cast<float>(center[k]));
   }
   std::memcpy(h.data() + 344, "n+1", 4);  // magic
   return h;

@@ -15,7 +15,7 @@ std::string npy_header(const char* type, bool fortran_order, const std::string& 
                                  fortran_order ? "True" : "False", shape);
   while ((10 + text.size() + 1) % 64 != 0) text += ' ';  // so that the data is aligned
   text += '\n';
-  const auto size = static_cast<unsigned>(text.size());
+  const unsigned size = text.size();
   return std::string("\x93NUMPY\x01\x00", 8) + static_cast<char>(size & 255) + static_cast<char>(size >> 8) +
          text;
 }
@@ -30,16 +30,14 @@ void write_npy(const std::filesystem::path& path, const VoxelSource& source, con
     out << npy_header(
         source.whole() ? "<i4" : "<f4", true,
         fmt::format("{}, {}, {}{}", box.size.x(), box.size.y(), box.size.z(), c > 1 ? ", 3" : ""));
-    const int batch =
-        static_cast<int>(std::clamp<std::size_t>((std::size_t{1} << 24) / box.plane(), 1, 1 << 20));
-    std::vector<std::uint32_t> voxels(box.plane() *
-                                      static_cast<std::size_t>(std::min(batch, box.size.z()) * c));
+    const int batch = std::clamp<std::size_t>((std::size_t{1} << 24) / box.plane(), 1, 1 << 20);
+    std::vector<std::uint32_t> voxels(box.plane() * (std::min(batch, box.size.z()) * c));
     std::vector<std::uint32_t> one;  // one component of a vector: components are the slowest index
     for (int k = 0; k < c; ++k)
       for (int z = 0; z < box.size.z(); z += batch) {
         const int end = std::min(z + batch, box.size.z());
-        const std::size_t count = box.plane() * static_cast<std::size_t>(end - z);
-        work.quiet().parallel(static_cast<std::size_t>(end - z), 1, [&](std::size_t a, std::size_t b) {
+        const std::size_t count = box.plane() * (end - z);
+        work.quiet().parallel(end - z, 1, [&](std::size_t a, std::size_t b) {
           source.read(z + static_cast<int>(a), z + static_cast<int>(b), voxels.data() + a * box.plane() * c);
         });
         const std::uint32_t* data = voxels.data();

@@ -59,7 +59,7 @@ void write_pbrt(const std::filesystem::path& path, const Scene& s, const Work& w
     for (std::size_t i = 0; i < s.particles->count(); ++i) {
       if (i % 4096 == 0) {
         work.check();
-        work.progress(static_cast<double>(i) / static_cast<double>(s.particles->count()));
+        work.progress(static_cast<double>(i) / s.particles->count());
       }
       if (s.group[i] < 0) continue;
       const auto m = instance_matrix(*s.particles, i);

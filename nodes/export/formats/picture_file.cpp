@@ -53,7 +53,7 @@ void write_picture(const std::filesystem::path& path, const Image& image, int se
 }
 
 std::string png_of(const Image& image) {
-  const std::size_t count = static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
   if (count == 0 || image.pixels.size() < count) throw Error("empty-image", "the image has no pixels");
   std::vector<std::uint8_t> bytes;
   bytes.reserve(3 * count);
@@ -62,7 +62,8 @@ std::string png_of(const Image& image) {
     for (int k = 0; k < 3; ++k) bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * c[k])));
   }
   PictureEncoding encoding;
-  encoding.width = image.width, encoding.height = image.height;
+  encoding.width = image.width;
+  encoding.height = image.height;
   encoding.attributes = {{"oiio:ColorSpace", "sRGB"}};
   return encode("image.png", encoding, bytes.data());
 }
@@ -70,12 +71,11 @@ std::string png_of(const Image& image) {
 void write_labels(const std::filesystem::path& path, const Labels& labels, int section,
                   const std::string& provenance) {
   const std::size_t count = static_cast<std::size_t>(labels.width) * labels.height;
-  if (count == 0 || section < 0 || section >= labels.sections ||
-      labels.ids.size() != count * static_cast<std::size_t>(labels.sections))
+  if (count == 0 || section < 0 || section >= labels.sections || labels.ids.size() != count * labels.sections)
     throw Error("empty-labels",
                 fmt::format("the labels have no section {}: they have {} × {} pixels and {} sections",
                             section, labels.width, labels.height, labels.sections));
-  const std::int32_t* ids = labels.ids.data() + count * static_cast<std::size_t>(section);
+  const std::int32_t* ids = labels.ids.data() + count * section;
   const auto [low, high] = std::minmax_element(ids, ids + count);
   if (*low < 0) throw Error("bad-labels", fmt::format("label ids must not be negative; one is {}", *low));
   const bool png = path.extension() == ".png";
@@ -84,7 +84,9 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
                 "use .tif or .exr");
 
   PictureEncoding encoding;
-  encoding.width = labels.width, encoding.height = labels.height, encoding.channels = 1;
+  encoding.width = labels.width;
+  encoding.height = labels.height;
+  encoding.channels = 1;
   encoding.sample = png ? Sample::UInt16 : Sample::UInt32;
   encoding.attributes = {{"oiio:ColorSpace", "Raw"}};  // no gamma chunk: these are ids, not intensities
   if (!png) encoding.attributes.emplace_back("compression", "zip");

@@ -14,9 +14,7 @@ namespace {
 constexpr const char* kSides[] = {"X0", "X1", "Y0", "Y1", "Z0", "Z1"};
 constexpr int kTriangle = 2, kTags = 2;  // of an element in a .msh file
 
-const Region& region_of(const Regions& regions, std::int32_t number) {
-  return regions.all[static_cast<std::size_t>(number)];
-}
+const Region& region_of(const Regions& regions, std::int32_t number) { return regions.all[number]; }
 
 std::string patch_name(const SurfacePatch& p, const Regions& regions) {
   return region_of(regions, p.inside).name() + "-" +
@@ -41,17 +39,14 @@ std::vector<Link> periodic_links(const SurfaceNet& net) {
   std::map<std::int32_t, std::size_t> link_of;
   for (std::size_t p = 0; p < net.patches.size(); ++p) {
     const SurfacePatch& patch = net.patches[p];
-    if (patch.side < 0 || patch.side % 2 == 0 ||
-        net.periodic[static_cast<std::size_t>(patch.side / 2)].empty())
-      continue;
-    link_of[static_cast<std::int32_t>(p)] = links.size();
+    if (patch.side < 0 || patch.side % 2 == 0 || net.periodic[patch.side / 2].empty()) continue;
+    link_of[p] = links.size();
     links.push_back({p, at_side.at({patch.other_piece, patch.inside_piece, patch.side - 1}), {}});
   }
   for (std::size_t t = 0; t < net.corners.size(); ++t) {
     const auto it = link_of.find(net.patch_of[t]);
     if (it == link_of.end()) continue;
-    const auto axis =
-        static_cast<std::size_t>(net.patches[static_cast<std::size_t>(net.patch_of[t])].side / 2);
+    const std::size_t axis = net.patches[static_cast<std::size_t>(net.patch_of[t])].side / 2;
     for (const std::int32_t n : net.corners[t]) links[it->second].nodes.emplace(n, image[axis].at(n));
   }
   return links;
@@ -86,8 +81,8 @@ void write_msh(const std::filesystem::path& path, const SurfaceNet& net, const R
       if (t % 65536 == 0) work.check(), work.progress(0.4 + 0.5 * double(t) / double(net.corners.size()));
       const auto& c = net.corners[t];
       const std::int32_t patch = net.patch_of[t];
-      out << fmt::format("{} {} {} {} {} {} {} {}\n", t + 1, kTriangle, kTags,
-                         tags[static_cast<std::size_t>(patch)], patch + 1, c[0] + 1, c[1] + 1, c[2] + 1);
+      out << fmt::format("{} {} {} {} {} {} {} {}\n", t + 1, kTriangle, kTags, tags[patch], patch + 1,
+                         c[0] + 1, c[1] + 1, c[2] + 1);
     }
     out << "$EndElements\n";
     if (links.empty()) return;
@@ -114,15 +109,15 @@ void write_geo(const std::filesystem::path& path, const std::string& msh, const 
   for (std::size_t p = 0; p < net.patches.size(); ++p) {
     const SurfacePatch& patch = net.patches[p];
     const auto tag = static_cast<std::int64_t>(p) + 1;
-    add(loops[static_cast<std::size_t>(patch.inside_piece)], tag);
-    if (patch.side < 0) add(loops[static_cast<std::size_t>(patch.other_piece)], -tag);
+    add(loops[patch.inside_piece], tag);
+    if (patch.side < 0) add(loops[patch.other_piece], -tag);
   }
   std::string text =
       fmt::format("// Surfaces of Terrazzo. Tetrahedra: gmsh -3 -o tetrahedra.msh {}\nMerge \"{}\";\n",
                   std::filesystem::path(msh).stem().string() + ".geo", msh);  // `path` is a temporary name
   for (std::size_t k = 0; k < loops.size(); ++k) {
     text += fmt::format("Surface Loop({0}) = {{{1}}};\nVolume({0}) = {{{0}}};\n", k + 1, loops[k]);
-    add(volumes[static_cast<std::size_t>(net.region_of_piece[k])], static_cast<std::int64_t>(k) + 1);
+    add(volumes[net.region_of_piece[k]], static_cast<std::int64_t>(k) + 1);
   }
   for (std::size_t r = 0; r < volumes.size(); ++r)
     if (!volumes[r].empty())
@@ -140,7 +135,7 @@ void write_surface_stl(const std::filesystem::path& path, const SurfaceNet& net,
   for (const SurfacePatch& p : net.patches)
     way.push_back(static_cast<std::int8_t>(solid(p.inside) - solid(p.other)));
   std::uint64_t count = 0;
-  for (const std::int32_t p : net.patch_of) count += way[static_cast<std::size_t>(p)] != 0;
+  for (const std::int32_t p : net.patch_of) count += way[p] != 0;
   if (count == 0) throw Error("no-particles", "the volume has no particle with a surface");
   if (count > 0xffffffffu)
     throw Error("too-large", fmt::format("the surface has {} triangles; a .stl file holds 4294967295", count),
@@ -148,16 +143,16 @@ void write_surface_stl(const std::filesystem::path& path, const SurfaceNet& net,
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
     const char header[80] = "Terrazzo, mm";
-    const auto triangles = static_cast<std::uint32_t>(count);
+    const std::uint32_t triangles = count;
     out.write(header, sizeof header).write(reinterpret_cast<const char*>(&triangles), 4);
     for (std::size_t t = 0; t < net.corners.size(); ++t) {
       if (t % 65536 == 0) work.check(), work.progress(double(t) / double(net.corners.size()));
-      const int w = way[static_cast<std::size_t>(net.patch_of[t])];
+      const int w = way[net.patch_of[t]];
       if (w == 0) continue;
       std::array<std::int32_t, 3> c = net.corners[t];
       if (w < 0) std::swap(c[1], c[2]);
       std::array<Vec3, 4> v;  // normal, corners
-      for (std::size_t k = 0; k < 3; ++k) v[k + 1] = net.nodes[static_cast<std::size_t>(c[k])];
+      for (std::size_t k = 0; k < 3; ++k) v[k + 1] = net.nodes[c[k]];
       const Vec3 normal = (v[2] - v[1]).cross(v[3] - v[1]);
       v[0] = normal.norm() > 0 ? Vec3(normal.normalized()) : Vec3(0, 0, 0);
       for (const Vec3& p : v) {

@@ -199,7 +199,7 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
   std::set<std::string> taken;
   for (std::size_t s = 0; s < members.size(); ++s) {
     if (members[s].empty()) continue;
-    prototype[s] = static_cast<int>(names.size());
+    prototype[s] = names.size();
     names.push_back(prim_name(shapes.shapes[s].name, "shape", taken));
     render_mesh(shapes.shapes[s]);  // throws before anything is written
   }
@@ -256,8 +256,7 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
     for (std::size_t s = 0; s < members.size(); ++s) {
       work.check();
       work.progress(double(s) / double(members.size()));
-      if (prototype[s] >= 0)
-        add_mesh(text, 3, shapes.shapes[s], names[static_cast<std::size_t>(prototype[s])]);
+      if (prototype[s] >= 0) add_mesh(text, 3, shapes.shapes[s], names[prototype[s]]);
     }
     text.line(2, "}");
     text.line(1, "}");

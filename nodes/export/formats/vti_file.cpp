@@ -28,13 +28,13 @@ struct VtiArray {
 
 std::vector<VtiArray> arrays_of(const VtiContent& content) {
   std::vector<VtiArray> arrays;
-  const auto planes = static_cast<std::size_t>(content.box.size.z());
+  const std::size_t planes = content.box.size.z();
   const std::size_t plane = content.box.plane();
   const auto add_numbers = [&](const char* name, auto&& number) {
     arrays.push_back({name, true, 1, planes, 4 * plane, [&content, plane, number](int z0, int z1, char* out) {
                         content.id->read(z0, z1, out);
                         auto* ids = reinterpret_cast<std::int32_t*>(out);
-                        for (std::size_t i = 0; i < plane * static_cast<std::size_t>(z1 - z0); ++i)
+                        for (std::size_t i = 0; i < plane * (z1 - z0); ++i)
                           ids[i] = number(*content.regions, ids[i]);
                       }});
   };

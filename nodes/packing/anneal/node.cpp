@@ -18,7 +18,7 @@ void compute(Context& c) {
   o.population.binder_gap = c.number("binder_gap");
   o.population.all_void = c.keyword("voids") == "all";
   if (c.keyword("voids").empty()) o.population.void_classes = c.ints("voids");
-  o.iterations = static_cast<int>(c.integer("iterations"));
+  o.iterations = c.integer("iterations");
   o.on_jam = c.choice<OnJam>("on_jam");
 
   o.interrupted = saving(c, shapes);
@@ -36,8 +36,8 @@ void compute(Context& c) {
   c.metric("steps", r.steps);
   if (r.reachable > 0) c.metric("reachable_fraction", r.reachable);
   c.metric("shrink", r.shrink);
-  c.metric("dropped", static_cast<double>(r.dropped));
-  c.metric("kept", static_cast<double>(r.kept));
+  c.metric("dropped", r.dropped);
+  c.metric("kept", r.kept);
   c.metric("coordination_number", r.coordination);
   c.metric("nematic_order", nematic_order(shapes, r.particles));
   const Vec3 cut = sections_per_area(shapes, r.particles, c.work().quiet());

@@ -35,7 +35,7 @@ Mesh cell_mesh(const ConvexCell& cell) {
     }
     Vec3 middle = Vec3::Zero();
     for (int v : loop) middle += mesh.vertices[v] / static_cast<double>(loop.size());
-    const int hub = static_cast<int>(mesh.vertices.size());
+    const int hub = mesh.vertices.size();
     mesh.vertices.push_back(middle);
     for (std::size_t k = 0; k < loop.size(); ++k)
       mesh.triangles.push_back({loop[k], loop[(k + 1) % loop.size()], hub});

@@ -21,7 +21,7 @@ PlotSeries histogram(const std::vector<double>& values, double low, double high,
   for (int k = 0; k < bins; ++k) bars.x.push_back(low + (k + 0.5) * (high - low) / bins);
   for (double v : values) {
     const int k = static_cast<int>((v - low) / (high - low) * bins);
-    if (k >= 0 && k < bins) ++bars.y[static_cast<std::size_t>(k)];
+    if (k >= 0 && k < bins) ++bars.y[k];
   }
   return bars;
 }
@@ -53,10 +53,14 @@ Image fill_figure(const SizeDistribution& distribution, const FillResult& r) {
     error.push_back(100 * (r.shapes.shapes[i].volume / r.wanted[i] - 1));
   }
   Plot spheres;
-  spheres.title = "Sphericity", spheres.x_label = "sphericity", spheres.y_label = "particles";
+  spheres.title = "Sphericity";
+  spheres.x_label = "sphericity";
+  spheres.y_label = "particles";
   spheres.series = {histogram(round, 0.4, 1, 30)};
   Plot errors;
-  errors.title = "Error of volumes", errors.x_label = "percent", errors.y_label = "particles";
+  errors.title = "Error of volumes";
+  errors.x_label = "percent";
+  errors.y_label = "particles";
   errors.series = {histogram(error, -20, 20, 40)};
   return draw({by_size, spheres, errors}, 3);
 }

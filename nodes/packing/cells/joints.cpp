@@ -59,9 +59,7 @@ class Grid {
   double cell_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 
-  int section(const OutlinePoint& p) const {
-    return profiles_.profiles[static_cast<std::size_t>(p.profile)].section;
-  }
+  int section(const OutlinePoint& p) const { return profiles_.profiles[p.profile].section; }
   int column(double x) const { return static_cast<int>(std::floor(x / cell_)); }
   static std::uint64_t key(int section, int x, int y) {
     return static_cast<std::uint64_t>(section) << 48 ^ static_cast<std::uint64_t>(x + (1 << 23)) << 24 ^
@@ -74,7 +72,10 @@ class Grid {
 Joints measure_joints(const Profiles& profiles, const Work& work) {
   double area = 0, count = 0;
   for (const Profile& p : profiles.profiles)
-    if (!p.contour.empty()) area += p.area, ++count;
+    if (!p.contour.empty()) {
+      area += p.area;
+      ++count;
+    }
   if (count < 2 || !(area > 0)) return {};
   const double mean = std::sqrt(4 / std::numbers::pi * area / count);
   const auto points = points_on(profiles, kPointSpacing * mean);
@@ -88,7 +89,7 @@ Joints measure_joints(const Profiles& profiles, const Work& work) {
   if (distance.empty()) return {};
   std::sort(distance.begin(), distance.end());
   const auto quantile = [&](double q) {
-    return distance[static_cast<std::size_t>(q * static_cast<double>(distance.size() - 1))];
+    return distance[static_cast<std::size_t>(q * (distance.size() - 1))];
   };
   Joints out;
   out.thickness = quantile(0.5) / kOblique;

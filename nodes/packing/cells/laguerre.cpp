@@ -87,7 +87,7 @@ void Laguerre::make_cells(const Work& work) {
 
 double Laguerre::gap_of(std::size_t i, const Plane& plane, double gap) const {
   if (plane.neighbor < 0) return gap;
-  const auto j = static_cast<std::size_t>(plane.neighbor);
+  const std::size_t j = plane.neighbor;
   // A gap that is chosen leaves small grains most of their size.
   if (!options_.gap)
     gap = std::min(gap, kWidestJoint * std::cbrt(0.75 / std::numbers::pi * std::min(wanted_[i], wanted_[j])));
@@ -121,7 +121,7 @@ void Laguerre::measure_rounding(double gap, const Work& work) {
       if (const ConvexCell c = shrunk(i, gap); c.volume > 0) {
         const Mesh mesh = solid(c, kEdges * diameter_of(c.volume));
         rounding_[i] = mesh_volume(mesh) / c.volume;
-        tests[i] = kNormTests * static_cast<double>(mesh.vertices.size() * c.faces.size());
+        tests[i] = kNormTests * (mesh.vertices.size() * c.faces.size());
       }
   });
   effort_.used += std::accumulate(tests.begin(), tests.end(), 0.0);
@@ -132,7 +132,7 @@ std::vector<double> Laguerre::volumes(double gap, const Work& work) const {
   work.parallel(v.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) v[i] = rounding_[i] * shrunk(i, gap).volume;
   });
-  for (const ConvexCell& c : cells_) effort_.used += kShrinkTests * static_cast<double>(c.faces.size());
+  for (const ConvexCell& c : cells_) effort_.used += kShrinkTests * c.faces.size();
   return v;
 }
 
@@ -163,10 +163,13 @@ double Laguerre::fitting_gap(const Work& work) const {
   const auto excess = [&](double gap) { return excess_of(gap, work); };
   double low = 0, above = excess(0);
   if (above <= 0) return 0;
-  double high = 0.2 * std::cbrt(box_.prod() / static_cast<double>(cells_.size())), below = excess(high);
+  double high = 0.2 * std::cbrt(box_.prod() / cells_.size()), below = excess(high);
   for (int k = 0; below > 0; ++k) {
     if (k == kDoublings) return high;  // all gaps are as wide as the grains let them be
-    low = high, above = below, high *= 2, below = excess(high);
+    low = high;
+    above = below;
+    high *= 2;
+    below = excess(high);
   }
   for (int k = 0; k < 40 && above > 1e-6 * total_ && -below > 1e-6 * total_; ++k) {
     // The volume is nearly a cubic of the gap, so the secant is good; a share of bisection keeps both ends
@@ -220,11 +223,10 @@ Grains Laguerre::run() {
     out.iterations +=
         fit_volumes(seeds_, cell_volume, 0.2 * options_.tolerance, effort_, enlarging.quiet()).iterations;
   }
-  for (const ConvexCell& c : cells_)
-    out.faces += static_cast<double>(c.faces.size()) / static_cast<double>(n);
+  for (const ConvexCell& c : cells_) out.faces += static_cast<double>(c.faces.size()) / n;
 
   out.roundness = roundness_;
-  const double mean = diameter_of(box_.prod() / static_cast<double>(n));
+  const double mean = diameter_of(box_.prod() / n);
   const Warp warp(box_, mean, options_.roughness * mean, options_.seed);
   out.meshes.resize(n);
   work_.part(0.8, 1).parallel(n, 8, [&](std::size_t begin, std::size_t end) {

@@ -13,7 +13,7 @@ constexpr double kPerBlock = 5;     // seeds per block of Voro++'s search grid
 constexpr std::size_t kParts = 16;  // of the grid, each computed with a container of its own
 
 // Voro++ compares with absolute tolerances, so lengths are in units of the mean cell.
-double unit_of(const Seeds& s) { return std::cbrt(s.box.prod() / static_cast<double>(s.count())); }
+double unit_of(const Seeds& s) { return std::cbrt(s.box.prod() / s.count()); }
 
 // Calls visit(seed, cell) for each seed whose cell is not empty, from several threads.
 template <class Visit>
@@ -75,7 +75,7 @@ CellSizes cell_sizes(const Seeds& seeds, const Work& work) {
     out.volume[i] = cell.volume;
     out.centroid[i] = cell.centroid;
     for (const Face& f : cell.faces) {
-      const auto j = static_cast<std::size_t>(f.neighbor);
+      const std::size_t j = f.neighbor;
       if (f.neighbor < 0 || j == i) continue;  // an image of itself moves along
       const double face = f.normal.dot(cell.corners[f.corners[0]]);
       const double d = seed_distance(face, seeds.weight[i], seeds.weight[j],

@@ -27,7 +27,10 @@ VectorXd newton_direction(const CellSizes& c, const VectorXd& missing) {
   const auto n = missing.size();
   std::vector<Eigen::Triplet<double>> entries;
   VectorXd diagonal = VectorXd::Zero(n);
-  for (const auto& k : c.couplings) entries.emplace_back(k.a, k.b, -k.rate), diagonal[k.a] += k.rate;
+  for (const auto& k : c.couplings) {
+    entries.emplace_back(k.a, k.b, -k.rate);
+    diagonal[k.a] += k.rate;
+  }
   // Weights are determined up to a constant, so the matrix is singular; a small diagonal chooses one.
   const double small = 1e-12 * diagonal.mean();
   for (Eigen::Index i = 0; i < n; ++i) entries.emplace_back(i, i, diagonal[i] + small);
@@ -69,7 +72,7 @@ class Fit {
 
 CellSizes Fit::sizes() {
   CellSizes c = cell_sizes(seeds_, work_.quiet());
-  effort_.used += kPerFace * static_cast<double>(c.couplings.size());
+  effort_.used += kPerFace * c.couplings.size();
   return c;
 }
 

@@ -15,9 +15,10 @@ std::vector<double> profile_sizes(const Shape& shape, int sections, std::uint64_
   one.shapes = {shape};
   one.shapes[0].probability = 1;
   RandomSections how;
-  how.seed = seed, how.first = first;
+  how.seed = seed;
+  how.first = first;
   std::vector<double> sizes;
-  for (const BodySection& section : random_sections(one, static_cast<std::size_t>(sections), how))
+  for (const BodySection& section : random_sections(one, sections, how))
     for (const auto& profile : section) {
       double area = 0;
       for (const Loop& loop : profile) area += loop_area(loop);
@@ -37,14 +38,12 @@ Eigen::MatrixXd profile_densities(const Shapes& shapes, const Particles& particl
   for (std::int32_t s : particles.shape) used[s] = true;
   work.parallel(sizes.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)
-      if (used[s])
-        sizes[s] = profile_sizes(shapes.shapes[s], sections, seed, s * static_cast<std::size_t>(sections));
+      if (used[s]) sizes[s] = profile_sizes(shapes.shapes[s], sections, seed, s * sections);
   });
   Eigen::MatrixXd density = Eigen::MatrixXd::Zero(classes, classes);
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const std::int32_t s = particles.shape[i];
-    const double each = shapes.shapes[s].mean_caliper * particles.scale[i] / particles.box.prod() /
-                        static_cast<double>(sections);
+    const double each = shapes.shapes[s].mean_caliper * particles.scale[i] / particles.box.prod() / sections;
     for (double size : sizes[s]) {
       const auto at =
           std::upper_bound(edges.begin(), edges.end(), size * particles.scale[i]) - edges.begin() - 1;
@@ -71,8 +70,7 @@ void correct(SizeDistribution& distribution, const Eigen::VectorXd& wanted, cons
     double factor = 0;
     for (Eigen::Index j = 0; j < total.size(); ++j)
       if (total[j] > 0) factor += shown(k, j) / all[k] * wanted[j] / total[j];
-    for (auto& entry : distribution.shapes)
-      entry.N_V[static_cast<std::size_t>(k)] *= std::clamp(factor, 0.5, 2.0);
+    for (auto& entry : distribution.shapes) entry.N_V[k] *= std::clamp(factor, 0.5, 2.0);
   }
 }
 

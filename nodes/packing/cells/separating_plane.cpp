@@ -9,7 +9,10 @@ const Vec3& farthest(const std::vector<Vec3>& points, const Vec3& direction) {
   std::size_t best = 0;
   double most = -1e300;
   for (std::size_t k = 0; k < points.size(); ++k)
-    if (const double h = points[k].dot(direction); h > most) most = h, best = k;
+    if (const double h = points[k].dot(direction); h > most) {
+      most = h;
+      best = k;
+    }
   return points[best];
 }
 

@@ -38,7 +38,10 @@ void apply(Mesh& mesh, const Splits& splits, const std::vector<char>& may_split)
       continue;
     }
     int m[3], split = 0;
-    for (int k = 0; k < 3; ++k) m[k] = splits.of(t[k], t[(k + 1) % 3]), split += m[k] >= 0;
+    for (int k = 0; k < 3; ++k) {
+      m[k] = splits.of(t[k], t[(k + 1) % 3]);
+      split += m[k] >= 0;
+    }
     if (split == 0) {
       out.push_back(t);
     } else if (split == 3) {
@@ -79,7 +82,7 @@ void split_long_edges(Mesh& mesh, double longest) {
         if ((mesh.vertices[a] - mesh.vertices[b]).norm() <= longest) continue;
         may_split[i] = 1;
         if (splits.of(a, b) >= 0) continue;
-        splits.add(a, b, static_cast<int>(mesh.vertices.size()));
+        splits.add(a, b, mesh.vertices.size());
         mesh.vertices.push_back(0.5 * (mesh.vertices[a] + mesh.vertices[b]));
       }
     if (splits.empty()) return;
@@ -100,7 +103,7 @@ void split_at_plane(Mesh& mesh, const Vec3& normal, double offset, double near) 
       if (!((ha > near && hb < -near) || (ha < -near && hb > near))) continue;
       may_split[i] = 1;
       if (splits.of(a, b) >= 0) continue;
-      splits.add(a, b, static_cast<int>(mesh.vertices.size()));
+      splits.add(a, b, mesh.vertices.size());
       mesh.vertices.push_back(mesh.vertices[a] + ha / (ha - hb) * (mesh.vertices[b] - mesh.vertices[a]));
     }
   if (!splits.empty()) apply(mesh, splits, may_split);

@@ -40,17 +40,27 @@ bool FieldReader::scalar(const char* what) {
 }
 
 bool FieldReader::start_object(std::size_t) {
-  if (ignored_ > 0) return ++ignored_, true;
+  if (ignored_ > 0) {
+    ++ignored_;
+    return true;
+  }
   if (field_) return scalar("an object");
-  if (enter_) return enter_ = false, ++objects_, true;
-  return ++ignored_, true;
+  if (enter_) {
+    enter_ = false;
+    ++objects_;
+    return true;
+  }
+  ++ignored_;
+  return true;
 }
 
 bool FieldReader::end_object() {
   if (ignored_ > 0)
     --ignored_;
-  else
-    --objects_, field_ = nullptr;
+  else {
+    --objects_;
+    field_ = nullptr;
+  }
   // The end of `particles` leads back to the object around it.
   return true;
 }
@@ -58,7 +68,8 @@ bool FieldReader::end_object() {
 bool FieldReader::start_array(std::size_t) {
   if (ignored_ > 0 || !field_) {
     if (objects_ == 0) return scalar("a list");
-    return ++ignored_, true;
+    ++ignored_;
+    return true;
   }
   const int deepest = field_->width == 0 ? 0 : field_->width == 1 || field_->flat ? 1 : 2;
   if (lists_ == deepest) return scalar("a list");
@@ -68,7 +79,10 @@ bool FieldReader::start_array(std::size_t) {
 }
 
 bool FieldReader::end_array() {
-  if (ignored_ > 0) return --ignored_, true;
+  if (ignored_ > 0) {
+    --ignored_;
+    return true;
+  }
   const bool row = field_->width > 1 && (field_->flat || lists_ == 2);
   const std::size_t length = field_->numbers.size() - row_;
   if (row && length != static_cast<std::size_t>(field_->width))

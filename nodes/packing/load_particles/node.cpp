@@ -23,8 +23,8 @@ void compute(Context& c) {
                 "name one file")
         .parameter("path");
   Particles p = particles_in(files.front(), c);
-  c.metric("particles", static_cast<double>(p.count()));
-  c.metric("voids", static_cast<double>(p.void_count()));
+  c.metric("particles", p.count());
+  c.metric("voids", p.void_count());
   c.metric("box_x", p.box[0]);
   c.metric("box_y", p.box[1]);
   c.metric("box_z", p.box[2]);

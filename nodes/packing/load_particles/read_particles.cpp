@@ -44,7 +44,7 @@ class Fields {
   const std::vector<double>& numbers(int field) const { return fields_[field].numbers; }
   // Rows of a field; `width` numbers each.
   std::size_t rows(int field) const {
-    return fields_[field].numbers.size() / static_cast<std::size_t>(std::max(fields_[field].width, 1));
+    return fields_[field].numbers.size() / std::max(fields_[field].width, 1);
   }
   void require_rows(int field, std::size_t n) const {
     if (has(field) && rows(field) != n)
@@ -99,7 +99,7 @@ void read_voids(const Fields& f, Particles& p) {
   p.voids.resize(p.count(), 0);
   double last = -1;
   for (const double v : f.numbers(Voids)) {
-    if (!(v > last && v < static_cast<double>(p.count()) && v == std::floor(v)))
+    if (!(v > last && v < p.count() && v == std::floor(v)))
       f.fail("bad-particles", fmt::format("has {} in voids after {}; voids are ascending indices below {}", v,
                                           last, p.count()));
     p.voids[static_cast<std::size_t>(last = v)] = 1;
@@ -128,9 +128,9 @@ Particles read_particles(const std::string& text, const std::string& file) {
   const Fields f(text, file);
   const std::size_t n = f.rows(Position);
   for (const int field : {ShapeIndex, Class, Orientation, Scale, Size, Color}) f.require_rows(field, n);
-  if (f.has(Count) && (f.rows(Count) != 1 || f.numbers(Count)[0] != static_cast<double>(n)))
+  if (f.has(Count) && (f.rows(Count) != 1 || f.numbers(Count)[0] != n))
     f.fail("bad-particles", fmt::format("has {} positions, but another count", n));
-  if (static_cast<double>(n) > kLargest) f.fail("bad-particles", "has too many particles");
+  if (n > kLargest) f.fail("bad-particles", "has too many particles");
   Particles p;
   read_box(f, p);
   p.resize(n);
@@ -143,8 +143,8 @@ Particles read_particles(const std::string& text, const std::string& file) {
 // Each number needs a character and a comma. It is stored as 8 bytes, three times while its list grows, and
 // once more in the particles. Names and texts are copied while they are read.
 double memory_to_read(const std::string& text) {
-  const auto commas = static_cast<double>(std::count(text.begin(), text.end(), ','));
-  return 3.0 * static_cast<double>(text.size()) + 32.0 * (commas + 1);
+  const double commas = std::count(text.begin(), text.end(), ',');
+  return 3.0 * text.size() + 32.0 * (commas + 1);
 }
 
 }  // namespace terrazzo::load_particles

@@ -58,14 +58,15 @@ std::vector<Body> bodies_of(const Particles& particles, const Shapes& shapes, co
   std::vector<Moments> moments(shapes.shapes.size());
   std::vector<char> known(shapes.shapes.size(), 0);
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    const auto s = static_cast<std::size_t>(particles.shape[i]);
+    const std::size_t s = particles.shape[i];
     if (particles.shape[i] < 0 || s >= shapes.shapes.size())
       throw Error("no-such-shape",
                   fmt::format("particle {} has shape {}, but there are {} shapes", i, particles.shape[i],
                               shapes.shapes.size()),
                   "connect the shapes of these particles");
     if (known[s]) continue;
-    known[s] = 1, moments[s] = moments_of(shapes.shapes[s].mesh);
+    known[s] = 1;
+    moments[s] = moments_of(shapes.shapes[s].mesh);
     if (!(moments[s].volume > 0) || !moments[s].covariance.allFinite())
       throw Error("bad-mesh", fmt::format("shape '{}' encloses no volume", shapes.shapes[s].name),
                   "use a watertight mesh with outward triangles");
@@ -73,12 +74,15 @@ std::vector<Body> bodies_of(const Particles& particles, const Shapes& shapes, co
   std::vector<Body> out(particles.count());
   work.parallel(out.size(), 1024, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Moments& m = moments[static_cast<std::size_t>(particles.shape[i])];
+      const Moments& m = moments[particles.shape[i]];
       const double s = particles.scale[i];
       const Mat3 turn = particles.orientation[i].toRotationMatrix();
       Body& b = out[i];
-      b.index = static_cast<std::int32_t>(i), b.cls = particles.cls[i], b.is_void = particles.is_void(i);
-      b.volume = m.volume * s * s * s, b.surface = m.surface * s * s;
+      b.index = i;
+      b.cls = particles.cls[i];
+      b.is_void = particles.is_void(i);
+      b.volume = m.volume * s * s * s;
+      b.surface = m.surface * s * s;
       b.center = wrap_point(particles.position[i] + turn * (s * m.center), particles.box);
       set_axes(b, s * s * turn * m.covariance * turn.transpose());
     }
@@ -112,11 +116,13 @@ std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, co
                 "renumber the labels");
   std::vector<std::int32_t> slot(static_cast<std::size_t>(last) + 1, -1);
   for (const std::int32_t id : raster.ids)
-    if (id >= 0) slot[static_cast<std::size_t>(id)] = 0;
+    if (id >= 0) slot[id] = 0;
   std::vector<std::int32_t> labels;
   for (std::size_t id = 0; id < slot.size(); ++id)
-    if (slot[id] == 0)
-      slot[id] = static_cast<std::int32_t>(labels.size()), labels.push_back(static_cast<std::int32_t>(id));
+    if (slot[id] == 0) {
+      slot[id] = labels.size();
+      labels.push_back(static_cast<std::int32_t>(id));
+    }
   std::vector<LabelSums> sums(labels.size());
   // A mean direction on a circle for each axis gives a point near the center of a body that wraps.
   std::vector<double> cosine[3], sine[3];
@@ -132,14 +138,15 @@ std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, co
       for (int y = 0; y < n.y(); ++y)
         for (int x = 0; x < n.x(); ++x, ++at)
           if (const std::int32_t id = raster.ids[at]; id >= 0)
-            body(sums[static_cast<std::size_t>(slot[static_cast<std::size_t>(id)])], Vec3i(x, y, z));
+            body(sums[slot[static_cast<std::size_t>(id)]], Vec3i(x, y, z));
     }
   };
   visit([&](LabelSums& s, const Vec3i& v) {
     ++s.voxels;
     for (int a = 0; a < 3; ++a) {
-      const auto i = static_cast<std::size_t>(v[a]);
-      s.cosine[a] += cosine[a][i], s.sine[a] += sine[a][i];
+      const std::size_t i = v[a];
+      s.cosine[a] += cosine[a][i];
+      s.sine[a] += sine[a][i];
       if (!raster.box.periodic && (v[a] == 0 || v[a] == n[a] - 1)) s.cut = true;
     }
   });
@@ -152,15 +159,21 @@ std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, co
   visit([&](LabelSums& s, const Vec3i& v) {
     Vec3 d = (v.cast<double>() + Vec3::Constant(0.5)).cwiseProduct(spacing) - s.near;
     if (raster.box.periodic) d = nearest_image(d, edge);
-    s.first += d, s.second += d * d.transpose();
+    s.first += d;
+    s.second += d * d.transpose();
   });
   std::vector<Body> out(labels.size());
   for (std::size_t k = 0; k < labels.size(); ++k) {
     const LabelSums& s = sums[k];
     Body& b = out[k];
-    const auto p = static_cast<std::size_t>(labels[k]);
-    b.index = labels[k], b.cut = s.cut, b.volume = s.voxels * raster.voxel_volume();
-    if (particles) b.cls = particles->cls[p], b.is_void = particles->is_void(p);
+    const std::size_t p = labels[k];
+    b.index = labels[k];
+    b.cut = s.cut;
+    b.volume = s.voxels * raster.voxel_volume();
+    if (particles) {
+      b.cls = particles->cls[p];
+      b.is_void = particles->is_void(p);
+    }
     const Vec3 mean = s.first / s.voxels;
     b.center = s.near + mean;
     if (raster.box.periodic) b.center = wrap_point(b.center, edge);

@@ -16,10 +16,10 @@ using Complex = std::complex<float>;
 void transform(std::vector<Complex>& data, const Vec3i& size, bool inverse, const Work& work) {
   constexpr std::size_t kInner = 4, kLanes = 4, kLines = kInner * kLanes;
   const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x()),
-                                 static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y())};
+                                 static_cast<std::size_t>(size.x()) * size.y()};
   for (int axis = 0; axis < 3; ++axis) {
     const LaneFft fft(size[axis]);
-    const auto n = static_cast<std::size_t>(size[axis]);
+    const std::size_t n = size[axis];
     const std::size_t lines = data.size() / n;
     // The first element of each line: lines next to each other in memory come next to each other.
     const auto start = [&](std::size_t line) {
@@ -78,17 +78,18 @@ std::vector<double> paths_inside(const Raster& raster, int axis, int reach) {
         if (in((begin + i) % n)) {
           ++run;
         } else if (run > 0) {
-          ++runs[static_cast<std::size_t>(run)], run = 0;
+          ++runs[run];
+          run = 0;
         }
       }
-      if (run > 0) ++runs[static_cast<std::size_t>(run)];
+      if (run > 0) ++runs[run];
     }
   std::vector<double> out(static_cast<std::size_t>(reach) + 1, 0);
   for (int r = 0; r <= reach; ++r) {
     double sum = static_cast<double>(endless) * n;
     for (int length = r + 1; length <= n; ++length)
-      sum += static_cast<double>(length - r) * static_cast<double>(runs[static_cast<std::size_t>(length)]);
-    out[static_cast<std::size_t>(r)] = sum;
+      sum += static_cast<double>(length - r) * runs[static_cast<std::size_t>(length)];
+    out[r] = sum;
   }
   return out;
 }
@@ -115,7 +116,7 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(padded.y()) +
             static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(padded.x()) +
-           static_cast<std::size_t>(x);
+           x;
   };
   for (int z = 0; z < n.z(); ++z)
     for (int y = 0; y < n.y(); ++y)
@@ -135,16 +136,15 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
     std::vector<double> two, path = paths_inside(raster, a, lags[a]);
     for (int k = 0; k <= lags[a]; ++k) {
       two.push_back(two_point(a == 0 ? k : 0, a == 1 ? k : 0, a == 2 ? k : 0));
-      path[static_cast<std::size_t>(k)] /=
-          static_cast<double>(raster.count()) / n[a] * (wraps ? n[a] : n[a] - k);
+      path[k] /= static_cast<double>(raster.count()) / n[a] * (wraps ? n[a] : n[a] - k);
     }
     for (std::size_t k = 0; k < rows; ++k) {
-      const double r = static_cast<double>(k) * out.step / spacing[a];
+      const double r = k * out.step / spacing[a];
       const auto i = std::min(static_cast<std::size_t>(r), two.size() - 1),
                  j = std::min(i + 1, two.size() - 1);
-      const double t = r - static_cast<double>(i);
-      out.two_point[static_cast<std::size_t>(a)].push_back((1 - t) * two[i] + t * two[j]);
-      out.lineal_path[static_cast<std::size_t>(a)].push_back((1 - t) * path[i] + t * path[j]);
+      const double t = r - i;
+      out.two_point[a].push_back((1 - t) * two[i] + t * two[j]);
+      out.lineal_path[a].push_back((1 - t) * path[i] + t * path[j]);
     }
   }
   // All lags with dz ≥ 0: those with dz < 0 have the same values.
@@ -156,7 +156,9 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
         const double r = Vec3(dx, dy, dz).cwiseProduct(spacing).norm();
         const auto k = static_cast<std::size_t>(r / out.step + 0.5);
         if (k >= rows) continue;
-        weight[k] += 1, value[k] += two_point(dx, dy, dz), length[k] += r;
+        weight[k] += 1;
+        value[k] += two_point(dx, dy, dz);
+        length[k] += r;
       }
   }
   for (std::size_t k = 0; k < rows; ++k) {

@@ -13,13 +13,17 @@ constexpr double kLeastPath = 1e-5;  // of the lineal path that is shown
 
 PlotSeries series_of(Kind kind, std::string name, int color) {
   PlotSeries s;
-  s.kind = kind, s.name = std::move(name), s.color = color;
+  s.kind = kind;
+  s.name = std::move(name);
+  s.color = color;
   return s;
 }
 
 Plot plot_of(const char* title, const char* x, const char* y) {
   Plot p;
-  p.title = title, p.x_label = x, p.y_label = y;
+  p.title = title;
+  p.x_label = x;
+  p.y_label = y;
   return p;
 }
 
@@ -69,16 +73,17 @@ void add_correlation_plots(const Correlation& c, std::vector<Plot>& plots) {
   path.log_y = true;
   for (std::size_t a = 0; a < 3; ++a) {
     const std::string name(1, "xyz"[a]);
-    PlotSeries s = series_of(Kind::Line, name, static_cast<int>(a)), l = s;
+    PlotSeries s = series_of(Kind::Line, name, a), l = s;
     for (std::size_t k = 0; k < c.mean.size(); ++k) {
-      const double r = static_cast<double>(k) * c.step;
+      const double r = k * c.step;
       s.x.push_back(r), s.y.push_back(c.two_point[a][k]);
       if (c.lineal_path[a][k] > kLeastPath) l.x.push_back(r), l.y.push_back(c.lineal_path[a][k]);
     }
     two.series.push_back(s), path.series.push_back(l);
   }
   PlotSeries mean = series_of(Kind::Line, "all directions", 3);
-  mean.x = c.length, mean.y = c.mean;
+  mean.x = c.length;
+  mean.y = c.mean;
   two.series.push_back(mean);
   plots.push_back(two), plots.push_back(path);
 }

@@ -26,8 +26,7 @@ void measure_meshes(Context& c, const Particles& particles, Findings& f) {
   f.bodies = bodies_of(particles, shapes, c.work().part(0, 0.05));
   f.volume = particles.box.prod();
   double diameter = 0;
-  for (const Body& b : f.bodies)
-    diameter += std::cbrt(b.volume * 6 / M_PI) / static_cast<double>(f.bodies.size());
+  for (const Body& b : f.bodies) diameter += std::cbrt(b.volume * 6 / M_PI) / f.bodies.size();
   f.gap = c.optional_number("contact_gap").value_or(kUsualGap * diameter);
   if (const double half = particles.box.minCoeff() / 2; f.gap > half)
     throw Error(
@@ -55,9 +54,12 @@ void report_phases(Context& c, const Phases& phases, Findings& f) {
   std::size_t spanning = 0;
   for (Body& b : f.bodies) {
     if (b.index < phases.first) continue;
-    const auto piece = static_cast<std::size_t>(b.index - phases.first);
+    const std::size_t piece = b.index - phases.first;
     b.cls = phases.label_of[piece];
-    if (phases.spans[piece]) b.cut = true, ++spanning;
+    if (phases.spans[piece]) {
+      b.cut = true;
+      ++spanning;
+    }
   }
   const std::size_t count = phases.labels.size(), shown = std::min<std::size_t>(count, 5);
   std::string names =
@@ -76,7 +78,7 @@ void report_phases(Context& c, const Phases& phases, Findings& f) {
 }
 
 void measure_voxels(Context& c, Raster& raster, const Particles* particles, bool labels, Findings& f) {
-  f.volume = static_cast<double>(raster.count()) * raster.voxel_volume();
+  f.volume = raster.count() * raster.voxel_volume();
   Phases phases;
   if (labels) phases = split_phases(raster, c.work().quiet());
   VoxelSurfaces surfaces = voxel_surfaces(raster, c.work().part(0.45, 0.55));
@@ -96,7 +98,8 @@ void choose_bodies(Context& c, Phase phase, bool tiles, Findings& f) {
   std::size_t cut = 0, voids = 0;
   for (const Body& b : f.bodies) {
     f.counted.push_back(b.is_void == (phase == Phase::Voids) && !b.cut);
-    cut += b.cut, voids += b.is_void;
+    cut += b.cut;
+    voids += b.is_void;
   }
   if (phase == Phase::Voids && voids == 0)
     throw Error("no-particles", "none of the particles is a void", "set phase: particles").parameter("phase");

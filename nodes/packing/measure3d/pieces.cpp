@@ -83,7 +83,8 @@ class Runs {
 
   // The root is the first run, so that pieces have an order.
   void unite(std::size_t a, std::size_t b) {
-    a = root(a), b = root(b);
+    a = root(a);
+    b = root(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
 };
@@ -145,7 +146,8 @@ std::vector<std::int32_t> labels_of_phases(const std::vector<Piece>& pieces) {
   std::map<std::int32_t, Label> labels;
   for (const Piece& piece : pieces) {
     Label& label = labels[piece.label];
-    label.voxels += piece.voxels, label.largest = std::max(label.largest, piece.voxels);
+    label.voxels += piece.voxels;
+    label.largest = std::max(label.largest, piece.voxels);
     label.spans |= piece.spans;
   }
   std::vector<std::int32_t> out;
@@ -171,7 +173,7 @@ Phases split_phases(Raster& raster, const Work& work) {
     renamed[k] = out.first + static_cast<std::int32_t>(out.label_of.size());
     out.label_of.push_back(piece.label), out.spans.push_back(piece.spans);
   }
-  const auto nx = static_cast<std::size_t>(raster.box.size.x());
+  const std::size_t nx = raster.box.size.x();
   for (std::size_t row = 0; row + 1 < runs.row_begin.size(); ++row)
     for (std::size_t k = runs.row_begin[row]; k < runs.row_begin[row + 1]; ++k)
       if (const std::int32_t to = renamed[pieces.of_run[k]]; to >= 0) {

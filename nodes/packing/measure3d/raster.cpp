@@ -56,12 +56,12 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
   const double voxel = std::cbrt(out.box.spacing.prod());
   using Sum = std::pair<std::size_t, std::int32_t>;  // voxels in the phase, largest label
   const Sum sum = work.reduce<Sum>(
-      static_cast<std::size_t>(out.box.size.z()), 4, {0, -1},
+      out.box.size.z(), 4, {0, -1},
       [&](std::size_t begin, std::size_t end) {
         Sum part{0, -1};
         std::vector<float> values;
         std::vector<std::int32_t> flags;
-        const auto z0 = static_cast<int>(begin), z1 = static_cast<int>(end);
+        const int z0 = begin, z1 = end;
         if (labels) {
           source.read(z0, z1, out.ids.data() + begin * plane);
         } else if (source.yes_no()) {
@@ -73,7 +73,7 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
           source.read(z0, z1, values.data());
         }
         if (source.level_set())
-          for (float& v : values) v = static_cast<float>(coverage_of(v, voxel));
+          for (float& v : values) v = coverage_of(v, voxel);
         for (std::size_t i = begin * plane; i < end * plane; ++i) {
           bool in = false;
           if (labels) {
@@ -81,7 +81,7 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
             if (id < least) id = -1;
             part.second = std::max(part.second, id);
             const bool hole = particles && id >= 0 && static_cast<std::size_t>(id) < particles->count() &&
-                              particles->is_void(static_cast<std::size_t>(id));
+                              particles->is_void(id);
             in = phase == Phase::Binder ? id < 0 : id >= 0 && hole == (phase == Phase::Voids);
           } else {
             in = (values[i - begin * plane] >= least) == (phase == Phase::Particles);

@@ -23,7 +23,7 @@ Mean mean_of(const std::vector<double>& values) {
   Mean m;
   m.n = values.size();
   if (m.n == 0) return m;
-  const auto n = static_cast<double>(m.n);
+  const double n = m.n;
   for (const double v : values) m.mean += v / n;
   double squares = 0;
   for (const double v : values) squares += (v - m.mean) * (v - m.mean);
@@ -46,7 +46,8 @@ Mat3 orientation_tensor(const Findings& f) {
   for (std::size_t k = 0; k < f.bodies.size(); ++k)
     if (f.counted[k]) {
       const Vec3 u = f.bodies[k].directions.col(0);
-      sum += u * u.transpose(), ++n;
+      sum += u * u.transpose();
+      ++n;
     }
   return n > 0 ? Mat3(sum / n) : sum;
 }
@@ -55,11 +56,10 @@ Histogram histogram_between(std::string name, std::string unit, const std::vecto
                             double hi, std::size_t bins) {
   Histogram h{std::move(name), std::move(unit), {}, std::vector<double>(bins, 0), {}};
   if (!(hi > lo)) hi = lo + std::max(1e-9, std::abs(lo) * 1e-9);
-  for (std::size_t k = 0; k <= bins; ++k)
-    h.edges.push_back(lo + (hi - lo) * static_cast<double>(k) / static_cast<double>(bins));
+  for (std::size_t k = 0; k <= bins; ++k) h.edges.push_back(lo + (hi - lo) * static_cast<double>(k) / bins);
   for (const double v : values) {
     // A value on an edge, such as the ratio 0.6 of axes, belongs above it whatever its rounding.
-    const double t = (v - lo) / (hi - lo) * static_cast<double>(bins) + 1e-9;
+    const double t = (v - lo) / (hi - lo) * bins + 1e-9;
     h.share[static_cast<std::size_t>(std::clamp(t, 0.0, static_cast<double>(bins) - 1))] +=
         1 / static_cast<double>(values.size());
   }
@@ -74,11 +74,12 @@ void count_contacts(Findings& f) {
   std::int32_t last = -1;
   for (const Body& b : f.bodies) last = std::max(last, b.index);
   std::vector<std::size_t> slot(static_cast<std::size_t>(last) + 1, 0);
-  for (std::size_t k = 0; k < f.bodies.size(); ++k) slot[static_cast<std::size_t>(f.bodies[k].index)] = k;
+  for (std::size_t k = 0; k < f.bodies.size(); ++k) slot[f.bodies[k].index] = k;
   for (const Touch& t : f.touches)
     for (const std::int32_t p : {t.a, t.b}) {
-      const std::size_t k = slot[static_cast<std::size_t>(p)];
-      ++f.neighbors[k], f.contact_area[k] += t.area;
+      const std::size_t k = slot[p];
+      ++f.neighbors[k];
+      f.contact_area[k] += t.area;
     }
 }
 
@@ -129,7 +130,7 @@ Table summary_of(const Findings& f) {
   };
   const auto volumes = values_of(f, [](const Body& b) { return b.volume; });
   if (!volumes.empty()) {
-    const auto n = static_cast<double>(volumes.size());
+    const double n = volumes.size();
     add("particles", n, NAN, ""), add("particles per volume", n / f.volume, NAN, "1/mm³");
     add_mean("volume", volumes, "mm³"), add_mean("diameter", values_of(f, diameter_of), "mm");
     add_mean("elongation", values_of(f, elongation_of), "");
@@ -150,7 +151,10 @@ Table summary_of(const Findings& f) {
       add("contact gap", f.gap, NAN, "mm");
       double volume = 0, surface = 0;
       for (std::size_t k = 0; k < f.bodies.size(); ++k)
-        if (f.counted[k]) volume += f.bodies[k].volume, surface += f.bodies[k].surface;
+        if (f.counted[k]) {
+          volume += f.bodies[k].volume;
+          surface += f.bodies[k].surface;
+        }
       add("volume fraction, meshes", volume / f.volume, NAN, "");
       add("specific surface, meshes", surface / f.volume, NAN, "1/mm");
     }
@@ -213,11 +217,11 @@ Table correlation_table(const Findings& f) {
   const Correlation& c = *f.correlation;
   for (std::size_t k = 0; k < c.mean.size(); ++k) {
     auto& row = t.rows.emplace_back();
-    row.emplace_back(static_cast<double>(k) * c.step);
-    for (int a = 0; a < 3; ++a) row.emplace_back(c.two_point[static_cast<std::size_t>(a)][k]);
+    row.emplace_back(k * c.step);
+    for (int a = 0; a < 3; ++a) row.emplace_back(c.two_point[a][k]);
     for (const double v : {c.length[k], c.mean[k]})
       row.push_back(std::isnan(v) ? Table::Cell(std::string()) : Table::Cell(v));
-    for (int a = 0; a < 3; ++a) row.emplace_back(c.lineal_path[static_cast<std::size_t>(a)][k]);
+    for (int a = 0; a < 3; ++a) row.emplace_back(c.lineal_path[a][k]);
   }
   return t;
 }

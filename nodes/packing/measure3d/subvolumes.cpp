@@ -27,22 +27,21 @@ Amplitudes amplitudes_of(const Raster& raster, const Work& work) {
   for (int a = 0; a < 3; ++a)
     for (int k = a == 0 ? 0 : -kWaves; k <= kWaves; ++k) wave[a].push_back(wave_of(k, n[a]));
   return work.reduce<Amplitudes>(
-      static_cast<std::size_t>(n.z()), 4, {},
+      n.z(), 4, {},
       [&](std::size_t begin, std::size_t end) {
         Amplitudes part{};
         for (std::size_t z = begin; z < end; ++z) {
           work.check();
           std::array<Wave, kAcross*(kWaves + 1)> plane{};
           for (int y = 0; y < n.y(); ++y) {
-            const std::uint8_t* row = &raster.in[raster.index(0, y, static_cast<int>(z))];
+            const std::uint8_t* row = &raster.in[raster.index(0, y, z)];
             for (int kx = 0; kx <= kWaves; ++kx) {
-              const std::vector<Wave>& w = wave[0][static_cast<std::size_t>(kx)];
+              const std::vector<Wave>& w = wave[0][kx];
               Wave sum = 0;
               for (int x = 0; x < n.x(); ++x)
-                if (row[x]) sum += w[static_cast<std::size_t>(x)];
+                if (row[x]) sum += w[x];
               for (std::size_t ky = 0; ky < kAcross; ++ky)
-                plane[ky * (kWaves + 1) + static_cast<std::size_t>(kx)] +=
-                    wave[1][ky][static_cast<std::size_t>(y)] * sum;
+                plane[ky * (kWaves + 1) + kx] += wave[1][ky][y] * sum;
             }
           }
           for (std::size_t kz = 0; kz < kAcross; ++kz)
@@ -62,9 +61,7 @@ struct SummedVolume {
   Vec3i size;
   std::vector<std::uint32_t> sums;
   explicit SummedVolume(const Raster& raster) : size(raster.box.size + Vec3i::Ones()) {
-    sums.assign(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-                    static_cast<std::size_t>(size.z()),
-                0);
+    sums.assign(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z(), 0);
     for (int z = 1; z < size.z(); ++z)
       for (int y = 1; y < size.y(); ++y) {
         std::uint32_t row = 0;
@@ -77,7 +74,7 @@ struct SummedVolume {
   std::size_t at(int x, int y, int z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y)) *
                static_cast<std::size_t>(size.x()) +
-           static_cast<std::size_t>(x);
+           x;
   }
   std::uint32_t inside(const Vec3i& lo, const Vec3i& hi) const {
     std::uint32_t sum = 0;
@@ -96,9 +93,10 @@ struct SummedVolume {
       bool any = true;
       for (int a = 0; a < 3; ++a) {
         const int n = size[a] - 1;
-        if (k >> a & 1)
-          from[a] = 0, to[a] -= n;
-        else
+        if (k >> a & 1) {
+          from[a] = 0;
+          to[a] -= n;
+        } else
           to[a] = std::min(to[a], n);
         any = any && to[a] > from[a];
       }
@@ -119,7 +117,7 @@ double window_deviation(const Raster& raster, const SummedVolume& sums, const Ve
   }
   const double mean = raster.fraction(), voxels = length.cast<double>().prod();
   const double squares = work.reduce<double>(
-      static_cast<std::size_t>(places.z()), 1, 0.0,
+      places.z(), 1, 0.0,
       [&](std::size_t begin, std::size_t end) {
         double sum = 0;
         for (std::size_t z = begin; z < end; ++z)
@@ -142,7 +140,7 @@ Representative representative_volume(const Raster& raster, double precision, con
   const Vec3i& n = raster.box.size;
   const double phi = raster.fraction(), variance = phi * (1 - phi);
   if (!(variance > 0)) return out;
-  const double volume = static_cast<double>(raster.count()) * raster.voxel_volume();
+  const double volume = raster.count() * raster.voxel_volume();
   const Amplitudes amplitude = amplitudes_of(raster, work.part(0, 0.3));
   double sum = 0;
   int waves = 0;  // of which the opposite one is not counted
@@ -153,11 +151,12 @@ Representative representative_volume(const Raster& raster, double precision, con
         if (square == 0 || square > kWaves * kWaves) continue;
         if (kx == 0 && (ky < 0 || (ky == 0 && kz < 0))) continue;
         if (2 * kx >= n.x() || 2 * std::abs(ky) >= n.y() || 2 * std::abs(kz) >= n.z()) continue;
-        const auto at = static_cast<std::size_t>(((kz + kWaves) * kAcross + ky + kWaves) * (kWaves + 1) + kx);
-        sum += std::norm(amplitude[at]), ++waves;
+        const std::size_t at = ((kz + kWaves) * kAcross + ky + kWaves) * (kWaves + 1) + kx;
+        sum += std::norm(amplitude[at]);
+        ++waves;
       }
   if (waves > 0) {
-    const auto count = static_cast<double>(raster.count());
+    const double count = raster.count();
     out.integral_range = sum / waves * volume / (count * count) / variance;
     out.integral_range_error =
         out.integral_range / std::sqrt(waves);  // each wave is exponentially distributed
@@ -174,7 +173,8 @@ Representative representative_volume(const Raster& raster, double precision, con
       length[a] = std::clamp(static_cast<int>(std::lround(edge / spacing[a])), 1, n[a]);
     Subvolumes row;
     const double part = length.cast<double>().cwiseProduct(spacing).prod();
-    row.edge = std::cbrt(part), row.count = volume / part;
+    row.edge = std::cbrt(part);
+    row.count = volume / part;
     row.deviation = window_deviation(raster, sums, length, work.part(0.3, 1).quiet());
     row.error = row.deviation / std::sqrt(2 * std::max(1.0, row.count - 1));
     row.expected = std::sqrt(variance * out.integral_range / part * (1 - part / volume));

@@ -29,7 +29,10 @@ std::array<double, kDirectionCount> direction_weights(const Vec3& spacing) {
     std::size_t best = 0;
     double most = -1;
     for (std::size_t d = 0; d < kDirectionCount; ++d)
-      if (const double c = std::abs(u.dot(step_of(d, spacing).normalized())); c > most) most = c, best = d;
+      if (const double c = std::abs(u.dot(step_of(d, spacing).normalized())); c > most) {
+        most = c;
+        best = d;
+      }
     weight[best] += 1.0 / kSamples;
   }
   return weight;
@@ -47,10 +50,10 @@ VoxelSurfaces voxel_surfaces(const Raster& raster, const Work& work) {
   const Vec3i& n = raster.box.size;
   const bool wraps = raster.box.periodic, labels = !raster.ids.empty();
   const Crossings all = work.reduce<Crossings>(
-      static_cast<std::size_t>(n.z()), 4, {},
+      n.z(), 4, {},
       [&](std::size_t begin, std::size_t end) {
         Crossings part;
-        for (auto z = static_cast<int>(begin); z < static_cast<int>(end); ++z) {
+        for (int z = begin; z < static_cast<int>(end); ++z) {
           work.check();
           for (std::size_t d = 0; d < kDirectionCount; ++d) {
             const int* step = kSteps[d];
@@ -68,8 +71,7 @@ VoxelSurfaces voxel_surfaces(const Raster& raster, const Work& work) {
                   if (!wraps) continue;
                   x2 = x2 < 0 ? n.x() - 1 : 0;
                 }
-                const std::size_t i = row + static_cast<std::size_t>(x),
-                                  j = row2 + static_cast<std::size_t>(x2);
+                const std::size_t i = row + x, j = row2 + x2;
                 part.phase[d] += raster.in[i] != raster.in[j];
                 if (!labels) continue;
                 const std::int32_t a = raster.ids[i], b = raster.ids[j];
@@ -94,7 +96,7 @@ VoxelSurfaces voxel_surfaces(const Raster& raster, const Work& work) {
   for (std::size_t d = 0; d < kDirectionCount; ++d)
     area[d] *= 2 * raster.voxel_volume() / step_of(d, raster.box.spacing).norm();
   VoxelSurfaces out;
-  for (std::size_t d = 0; d < kDirectionCount; ++d) out.phase += area[d] * static_cast<double>(all.phase[d]);
+  for (std::size_t d = 0; d < kDirectionCount; ++d) out.phase += area[d] * all.phase[d];
   for (const auto& [key, counts] : std::map<std::uint64_t, Counts>(all.pairs.begin(), all.pairs.end())) {
     if (std::all_of(counts.begin(), counts.begin() + kFaceDirections, [](auto c) { return c == 0; }))
       continue;

@@ -38,7 +38,7 @@ double near_area(const Placed& a, const Placed& b, const Vec3& offset, double ga
   while (!stack.empty()) {
     const int k = stack.back();
     stack.pop_back();
-    const auto& node = a.solid->tree.nodes[static_cast<std::size_t>(k)];
+    const auto& node = a.solid->tree.nodes[k];
     const Vec3 middle = turn * node.box.center() - shift;
     if (middle.norm() > reach + 0.5 * (node.box.high - node.box.low).norm() * a.scale / b.scale) continue;
     if (node.right != 0) {
@@ -46,12 +46,9 @@ double near_area(const Placed& a, const Placed& b, const Vec3& offset, double ga
       continue;
     }
     for (int m = node.first; m < node.first + node.count; ++m) {
-      const Triangle& t =
-          a.solid->mesh
-              ->triangles[static_cast<std::size_t>(a.solid->tree.triangles[static_cast<std::size_t>(m)])];
+      const Triangle& t = a.solid->mesh->triangles[a.solid->tree.triangles[static_cast<std::size_t>(m)]];
       Vec3 c[3];
-      for (int v = 0; v < 3; ++v)
-        c[v] = turn * a.solid->mesh->vertices[static_cast<std::size_t>(t[v])] - shift;
+      for (int v = 0; v < 3; ++v) c[v] = turn * a.solid->mesh->vertices[t[v]] - shift;
       const Vec3 u = c[1] - c[0], w = c[2] - c[0];
       const double longest = std::max({u.norm(), w.norm(), (w - u).norm()});
       const int parts = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, kMostParts);
@@ -81,12 +78,12 @@ std::vector<Touch> touches_of(const Particles& particles, const Shapes& shapes, 
   std::vector<std::unique_ptr<Solid>> solids(shapes.shapes.size());
   for (const auto& pair : found)
     for (const std::int32_t p : {pair.a, pair.b}) {
-      const auto s = static_cast<std::size_t>(particles.shape[static_cast<std::size_t>(p)]);
+      const std::size_t s = particles.shape[static_cast<std::size_t>(p)];
       if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes.shapes[s].mesh);
     }
   const auto placed = [&](std::int32_t p) {
-    const auto i = static_cast<std::size_t>(p);
-    const Solid* solid = solids[static_cast<std::size_t>(particles.shape[i])].get();
+    const std::size_t i = p;
+    const Solid* solid = solids[particles.shape[i]].get();
     return Placed{solid, particles.orientation[i].toRotationMatrix(), particles.scale[i],
                   2 * solid->radius * particles.scale[i]};
   };
@@ -99,9 +96,8 @@ std::vector<Touch> touches_of(const Particles& particles, const Shapes& shapes, 
       double area = 0;
       for (int image = 0; image < 27; ++image) {
         const Vec3 shift(image % 3 - 1, image / 3 % 3 - 1, image / 9 - 1);
-        const Vec3 offset = particles.position[static_cast<std::size_t>(pair.b)] -
-                            particles.position[static_cast<std::size_t>(pair.a)] +
-                            shift.cwiseProduct(particles.box);
+        const Vec3 offset =
+            particles.position[pair.b] - particles.position[pair.a] + shift.cwiseProduct(particles.box);
         if (offset.norm() >= 0.5 * (a.size + b.size) + gap) continue;
         area += 0.5 * (near_area(a, b, offset, gap) + near_area(b, a, -offset, gap));
       }

@@ -29,7 +29,7 @@ void output_packed(Context& c, const SizeDistribution& distribution, const Shape
   c.metric("box_z", r.particles.box[2]);
   c.metric("coordination_number", r.coordination);
   c.metric("shrink", r.shrink);
-  c.metric("dropped", static_cast<double>(r.dropped));
+  c.metric("dropped", r.dropped);
   c.output("table", tessellation::particle_table(shapes, r.particles, wanted));
   c.output("figure", figure_of(size_table(distribution, r.expected, r.size_class, r.particles.box),
                                pair_correlation(r.particles, 100, c.work().quiet()),

@@ -118,7 +118,7 @@ double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound
       for (int y = n.first; y < n.first + n.count; ++y) {
         Corners cb = corners(*b.mesh, b.tree.triangles[y]);
         for (auto& p : cb) p = b_to_a(p);
-        tests += kTriangles * static_cast<std::size_t>(m.count);
+        tests += kTriangles * m.count;
         for (int x = m.first; x < m.first + m.count; ++x)
           bound = std::min(bound, triangle_distance(corners(*a.mesh, a.tree.triangles[x]), cb));
       }
@@ -218,8 +218,7 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
   std::vector<double> reach(n);
   for (std::size_t i = 0; i < n; ++i) reach[i] = radius[i] + 0.5 * gap;
   // A particle is listed in every cell that the cube around it touches.
-  const PeriodicCells cells(
-      particles.box, 2 * std::accumulate(reach.begin(), reach.end(), 0.0) / static_cast<double>(n), 128);
+  const PeriodicCells cells(particles.box, 2 * std::accumulate(reach.begin(), reach.end(), 0.0) / n, 128);
   std::vector<std::vector<std::int32_t>> in_cell(cells.count());
   for (std::size_t i = 0; i < n; ++i)
     cells.visit(particles.position[i], reach[i],
@@ -249,7 +248,7 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
     tests = 0;
     for (std::size_t s = begin; s < end; ++s) {
       work.check();
-      const auto i = static_cast<std::int32_t>(s);
+      const std::int32_t i = s;
       near.clear();
       cells.visit(particles.position[i], reach[i], [&](std::size_t c) {
         for (std::int32_t j : in_cell[c])
@@ -287,7 +286,9 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
     result.pairs += tested[k];
     result.tests += work_done[k] / 6;
   }
-  last_ = particles, last_gap_ = gap, last_found_ = result.found;
+  last_ = particles;
+  last_gap_ = gap;
+  last_found_ = result.found;
   for (const auto& p : result.found) result.worst = std::max(result.worst, p.relative);
   return result;
 }

@@ -41,8 +41,7 @@ void refuse_impossible_density(const Population& population, const Shapes& shape
   const double densest = std::numbers::pi / std::sqrt(18.0);
   double worst = 0;
   // The k + 1 largest, as balls of the size of the smallest of them.
-  for (std::size_t k = 0; k < radius.size(); ++k)
-    worst = std::max(worst, static_cast<double>(k + 1) * std::pow(radius[k], 3));
+  for (std::size_t k = 0; k < radius.size(); ++k) worst = std::max(worst, (k + 1) * std::pow(radius[k], 3));
   worst *= 4.0 / 3 * std::numbers::pi / p.box.prod();
   if (worst > densest)
     throw Error("impossible-density",
@@ -57,10 +56,10 @@ void refuse_impossible_density(const Population& population, const Shapes& shape
 void refuse_what_memory_cannot_hold(const Population& population, const Shapes& shapes,
                                     std::uint64_t available) {
   const double needed = memory_needed(population, shapes);
-  if (needed > 0.9 * static_cast<double>(available))
+  if (needed > 0.9 * available)
     throw Error("not-enough-memory",
                 fmt::format("packing {} particles needs about {:.1f} GB of memory; {:.1f} GB are free",
-                            population.particles.count(), needed / 1e9, static_cast<double>(available) / 1e9),
+                            population.particles.count(), needed / 1e9, available / 1e9),
                 "make the box smaller, or leave out the smallest classes")
         .parameter("size");
 }

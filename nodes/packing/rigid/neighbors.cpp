@@ -46,8 +46,7 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
     for (std::size_t c = 1; c < level.begin.size(); ++c) level.begin[c] += level.begin[c - 1];
   std::vector<std::vector<std::int32_t>> at(count);
   for (int l = 0; l < count; ++l) at[l] = levels[l].begin;
-  for (std::size_t i = 0; i < radius.size(); ++i)
-    levels[level_of[i]].item[at[level_of[i]][cell[i]]++] = static_cast<std::int32_t>(i);
+  for (std::size_t i = 0; i < radius.size(); ++i) levels[level_of[i]].item[at[level_of[i]][cell[i]]++] = i;
   for (auto& level : levels)
     for (std::int32_t i : level.item) level.place.push_back(position[i]);
   return levels;
@@ -75,7 +74,7 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
   work.parallel(n, kGrain, [&](std::size_t begin, std::size_t end) {
     auto& out = parts[begin / kGrain];
     for (std::size_t s = begin; s < end; ++s) {
-      const auto i = static_cast<std::int32_t>(s);
+      const std::int32_t i = s;
       const Vec3& p = position[i];
       for (int l = level_of[i]; l >= 0; --l) {
         const Level& level = levels[l];
@@ -122,7 +121,7 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
                            static_cast<std::int8_t>(image[2])}};
                 if (j < i) {
                   std::swap(pair.a, pair.b);
-                  for (auto& v : pair.image) v = static_cast<std::int8_t>(-v);
+                  for (auto& v : pair.image) v = -v;
                 }
                 out.push_back(pair);
               }
@@ -143,13 +142,16 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
 Incidence incidence_of(std::size_t n, const std::vector<Pair>& pairs) {
   Incidence inc;
   inc.begin.assign(n + 1, 0);
-  for (const auto& p : pairs) ++inc.begin[p.a + 1], ++inc.begin[p.b + 1];
+  for (const auto& p : pairs) {
+    ++inc.begin[p.a + 1];
+    ++inc.begin[p.b + 1];
+  }
   for (std::size_t i = 0; i < n; ++i) inc.begin[i + 1] += inc.begin[i];
   inc.entry.resize(2 * pairs.size());
   std::vector<std::int32_t> at(inc.begin.begin(), inc.begin.end() - 1);
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    inc.entry[at[pairs[k].a]++] = static_cast<std::int32_t>(2 * k);
-    inc.entry[at[pairs[k].b]++] = static_cast<std::int32_t>(2 * k + 1);
+    inc.entry[at[pairs[k].a]++] = 2 * k;
+    inc.entry[at[pairs[k].b]++] = 2 * k + 1;
   }
   return inc;
 }

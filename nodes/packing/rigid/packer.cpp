@@ -53,7 +53,10 @@ Particles placed(const Particles& requested, const Packing& packing) {
   Particles p = requested;
   p.position = packing.position;
   p.orientation = packing.orientation;
-  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] *= packing.shrink, p.size[i] *= packing.shrink;
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    p.scale[i] *= packing.shrink;
+    p.size[i] *= packing.shrink;
+  }
   return p;
 }
 
@@ -71,8 +74,7 @@ void Packer::prepare() {
   contact_shapes_.resize(shapes_.shapes.size());
   const Work work = work_.part(0, 0.05);
   for (std::size_t s = 0; s < needed.size(); ++s) {
-    work.progress(static_cast<double>(s) / static_cast<double>(needed.size()),
-                  "distance field of " + shapes_.shapes[s].name);
+    work.progress(static_cast<double>(s) / needed.size(), "distance field of " + shapes_.shapes[s].name);
     if (needed[s]) contact_shapes_[s] = make_contact_shape(shapes_.shapes[s].mesh, work.quiet());
   }
 }
@@ -159,15 +161,16 @@ void Packer::anneal_and_audit(double start_shrink, double steps, const Work& wor
       double& margin = anneal_.extra.of_pair[{p.a, p.b}];
       margin += std::max(margin, 1.5 * p.depth + 5e-4 * std::min(packing_.size[p.a], packing_.size[p.b]));
     }
-    if (audit_.found.size() < fewest)
-      fewest = audit_.found.size(), since = 0;
-    else
+    if (audit_.found.size() < fewest) {
+      fewest = audit_.found.size();
+      since = 0;
+    } else
       ++since;
     // If there are many pairs, or removing overlaps causes others, contacts are missed everywhere. Unless
     // there are many, use the mean depth, because a wide margin for all pairs disturbs the whole packing.
     if (many || since >= 3) {
       double mean = 0;
-      for (const auto& p : audit_.found) mean += p.relative / static_cast<double>(audit_.found.size());
+      for (const auto& p : audit_.found) mean += p.relative / audit_.found.size();
       anneal_.extra.all += many ? 0.6 * audit_.worst : 0.3 * mean;
     }
   }

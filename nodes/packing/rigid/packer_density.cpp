@@ -62,7 +62,10 @@ void Packer::fit_to(double fraction) {
 
 void Packer::scale_all(double factor) {
   Particles& p = population_.particles;
-  for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] *= factor, p.size[i] *= factor;
+  for (std::size_t i = 0; i < p.count(); ++i) {
+    p.scale[i] *= factor;
+    p.size[i] *= factor;
+  }
   population_.fraction *= std::pow(factor, 3);
   goal_ *= factor;
 }
@@ -78,10 +81,14 @@ void Packer::raise(const Work& work) {
     const double goal = goal_, factor = std::min(kRaise, 1 / goal_);
     if (options_.interrupted) before_ = interrupted();
     scale_all(factor);
-    packing_.scale = population_.particles.scale, packing_.size = population_.particles.size;
+    packing_.scale = population_.particles.scale;
+    packing_.size = population_.particles.size;
     anneal_and_audit(1 / factor, 0.5 * options_.iterations, work);
     if (packing_.shrink * factor > 1 && audit_.worst == 0) continue;
-    packing_ = before, population_ = population, audit_ = audited, goal_ = goal;
+    packing_ = before;
+    population_ = population;
+    audit_ = audited;
+    goal_ = goal;
     return;
   }
 }

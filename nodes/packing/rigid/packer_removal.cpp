@@ -59,8 +59,8 @@ void Packer::remove(const std::vector<bool>& keep) {
     ++result_.dropped;
     result_.dropped_volume += volume_of(i);
   }
-  population_.kept -= static_cast<std::size_t>(
-      std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(population_.kept), false));
+  population_.kept -=
+      (std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(population_.kept), false));
   keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
   keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep);
   keep_only(p.position, keep), keep_only(p.orientation, keep), keep_only(index_, keep);
@@ -78,9 +78,13 @@ void Packer::drop(const Work& work) {
     // the most strained ones leave.
     const double excess = std::max(0.005, (0.5 + 0.1 * k) * (1 - std::pow(packing_.shrink, 3))) *
                           population_.fraction * packing_.box.prod();
-    packing_.shrink = 1, packing_.overlap = std::numeric_limits<double>::infinity();
+    packing_.shrink = 1;
+    packing_.overlap = std::numeric_limits<double>::infinity();
     std::vector<double> strain = strain_of(contact_shapes_, packing_, anneal_, work_.quiet());
-    for (const auto& p : audit_.found) strain[p.a] += p.relative, strain[p.b] += p.relative;
+    for (const auto& p : audit_.found) {
+      strain[p.a] += p.relative;
+      strain[p.b] += p.relative;
+    }
     std::vector<std::size_t> order(strain.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::stable_sort(order.begin(), order.end(),

@@ -60,7 +60,7 @@ class Occupied {
   std::vector<Level> levels_;
 
   Level& at(double radius) {
-    const auto octave = static_cast<std::size_t>(octave_of(radius, largest_));
+    const std::size_t octave = octave_of(radius, largest_);
     if (levels_.size() <= octave) levels_.resize(octave + 1);
     Level& level = levels_[octave];
     if (level.balls.empty()) {
@@ -121,7 +121,10 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
       const Vec3 p(low[0] + random.uniform() * edges[0], low[1] + random.uniform() * edges[1],
                    low[2] + random.uniform() * edges[2]);
       const double o = occupied.overlap(p, radius[i], least);
-      if (o < least) least = o, packing.position[i] = p;
+      if (o < least) {
+        least = o;
+        packing.position[i] = p;
+      }
     }
     crowded = 0.98 * crowded + 0.02 * (least > 0);
     tries = crowded > 0.5 ? 8 : 24;

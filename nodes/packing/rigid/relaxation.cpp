@@ -22,7 +22,7 @@ void add(Demand& sum, const Demand& d) {
 void solve(const Demand& demand, double arm, Vec3& dx, Vec3& dw) {
   Eigen::Matrix<float, 6, 6> m;
   Eigen::Matrix<float, 6, 1> r;
-  const auto inverse = static_cast<float>(1 / arm);
+  const float inverse = 1 / arm;
   int at = 0;
   for (int i = 0; i < 6; ++i) {
     const float si = i < 3 ? 1 : inverse;
@@ -67,7 +67,7 @@ void Relaxation::rebuild(const Work& work) {
   for (std::size_t i = 0; i < n; ++i) {
     const ContactShape& shape = shapes_[packing_.shape[i]];
     bodies_[i].shape = &shape;
-    bodies_[i].scale = static_cast<float>(packing_.scale[i] * packing_.shrink);
+    bodies_[i].scale = packing_.scale[i] * packing_.shrink;
     bodies_[i].rotation = packing_.orientation[i].toRotationMatrix().cast<float>();
     // Each body gets half of each pair's margin. A pair's surplus is relative to the smaller size, so that
     // the halves of both bodies suffice.
@@ -76,12 +76,14 @@ void Relaxation::rebuild(const Work& work) {
     mean += radius[i];
     drift_[i].setZero();
   }
-  for (const auto& [pair, margin] : extra.of_pair)
-    radius[pair.first] += margin, radius[pair.second] += margin;
+  for (const auto& [pair, margin] : extra.of_pair) {
+    radius[pair.first] += margin;
+    radius[pair.second] += margin;
+  }
   if (steps_since_ < 6) skin_ = std::min(0.35, 1.4 * skin_);
   if (steps_since_ > 25) skin_ = std::max(0.05, 0.8 * skin_);
   steps_since_ = 0;
-  reach_ = skin_ * mean / static_cast<double>(std::max<std::size_t>(n, 1));
+  reach_ = skin_ * mean / (std::max<std::size_t>(n, 1));
   pairs_ = near_pairs(packing_.box, packing_.position, radius, 3 * reach_, work);
   listed_ = packing_.shrink;
   stale_ = false;
@@ -136,10 +138,9 @@ Overlap Relaxation::find_contacts(const Work& work) {
           ContactCandidates& candidates = candidates_[k];
           if (candidates.known && travelled - noted_[k] > 0.99 * slack) candidates.known = false;
           if (!candidates.known) noted_[k] = travelled;
-          contacts_[k] =
-              find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), static_cast<float>(margin),
-                           detail, candidates, static_cast<float>(slack));
-          sum.tests += static_cast<std::size_t>(contacts_[k].tests);
+          contacts_[k] = find_contact(bodies_[p.a], bodies_[p.b], offset.cast<float>(), margin, detail,
+                                      candidates, slack);
+          sum.tests += contacts_[k].tests;
           // Other elements may come as close as the remaining slack.
           const double left = candidates.known ? slack - (travelled - noted_[k]) : 1e300;
           slack_[k] =
@@ -149,7 +150,10 @@ Overlap Relaxation::find_contacts(const Work& work) {
             const double depth = (contacts_[k].depth - (margin - required)) / size;
             sum.worst = std::max(sum.worst, depth);
             ++sum.touching;
-            if (depth > 0) sum.energy += depth * depth, ++sum.pairs;
+            if (depth > 0) {
+              sum.energy += depth * depth;
+              ++sum.pairs;
+            }
           }
         }
         return sum;
@@ -199,7 +203,8 @@ void Relaxation::move(const Work& work) {
             const double arm = bodies_[i].shape->gyration * bodies_[i].scale;
             Vec3 dx, dw;
             solve(demand, arm, dx, dw);
-            dx *= step_length, dw *= step_length;
+            dx *= step_length;
+            dw *= step_length;
             const bool on = velocity_[i].dot(dx) + spin_[i].dot(dw) * arm * arm > 0;
             v = dx + (on ? memory : 0.0) * velocity_[i];
             w = dw + (on ? memory : 0.0) * spin_[i];
@@ -207,11 +212,13 @@ void Relaxation::move(const Work& work) {
             if (v.norm() > limit) v *= limit / v.norm();
             if (w.norm() > turn_limit) w *= turn_limit / w.norm();
           } else {
-            v = 0.5 * velocity_[i], w = 0.5 * spin_[i];
+            v = 0.5 * velocity_[i];
+            w = 0.5 * spin_[i];
             if (v.norm() < 1e-4 * packing_.size[i]) v.setZero();
             if (w.norm() < 1e-4) w.setZero();
           }
-          velocity_[i] = v, spin_[i] = w;
+          velocity_[i] = v;
+          spin_[i] = w;
           if (v.isZero(0) && w.isZero(0)) continue;
           displace(i, v, w);
           far = std::max(far, drift_[i].norm());
@@ -238,7 +245,7 @@ void Relaxation::resize(double shrink) {
   for (std::size_t i = 0; i < packing_.count(); ++i) {
     Body& body = bodies_[i];
     const double radius = body.shape->bounding_radius * packing_.scale[i];
-    body.scale = static_cast<float>(packing_.scale[i] * shrink);
+    body.scale = packing_.scale[i] * shrink;
     travel_[i] += radius * change;
     largest = std::max(largest, radius);
   }

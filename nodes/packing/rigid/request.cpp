@@ -36,7 +36,7 @@ constexpr double kOtherCount = 0.1, kOtherFraction = 0.005;  // relative differe
 
 void report_population(Context& c, const Particles& particles, double fraction, double requested_fraction,
                        double left_out_fraction, bool explained) {
-  const auto made = static_cast<double>(particles.count());
+  const double made = particles.count();
   c.metric("particles", made);
   c.metric("packing_fraction", fraction);
   c.metric("requested_fraction", requested_fraction);
@@ -45,7 +45,7 @@ void report_population(Context& c, const Particles& particles, double fraction, 
     c.warn(fmt::format("the particles fill {:.3f} of the box; {:.3f} was requested", fraction,
                        requested_fraction));
   if (c.keyword("size") != "auto") return;
-  const auto asked = static_cast<double>(c.integer("count"));
+  const double asked = c.integer("count");
   c.metric("requested_count", asked);
   if (std::abs(made - asked) <= std::max(1.0, kOtherCount * asked) || particles.count() == 0) return;
   if (explained && made < asked) return;  // particles were left out

@@ -52,14 +52,15 @@ std::optional<Population> regrown(Population fresh, const Particles& start) {
   }
   if (order.empty()) return {};
   std::vector<bool> known(n, false);
-  for (const std::int32_t i : order) known[static_cast<std::size_t>(i)] = true;
+  for (const std::int32_t i : order) known[i] = true;
   for (std::size_t i = 0; i < n; ++i)
     if (!known[i]) order.push_back(static_cast<std::int32_t>(i));
   Particles& p = fresh.particles;
   reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
   reorder(p.color, order), reorder(p.voids, order), reorder(fresh.size_class, order);
   for (std::size_t i = 0; i < m; ++i) {
-    p.position[i] = wrap_point(start.position[i], p.box), p.orientation[i] = start.orientation[i];
+    p.position[i] = wrap_point(start.position[i], p.box);
+    p.orientation[i] = start.orientation[i];
     if (!p.is_void(i)) p.color[i] = start.color[i];
   }
   fresh.kept = m;

@@ -28,8 +28,8 @@ double farthest(const Mesh& mesh, const MeshDistance& from, double enough) {
 }  // namespace
 
 Simplified simplified(const Mesh& mesh, double tolerance, const Work& work, std::size_t fewest, double step) {
-  const auto count = static_cast<double>(mesh.triangles.size());
-  for (double most = static_cast<double>(fewest); most <= count / step; most *= step) {
+  const double count = mesh.triangles.size();
+  for (double most = fewest; most <= count / step; most *= step) {
     work.check();
     Mesh fewer = mesh;
     try {

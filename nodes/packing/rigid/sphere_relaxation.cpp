@@ -27,7 +27,10 @@ Vec3 solve(const double* m, const Vec3& r) {
 void Relaxation::list_spheres() {
   const std::size_t n = packing_.count();
   first_neighbor_.assign(n + 1, 0);
-  for (const auto& p : pairs_) ++first_neighbor_[p.a + 1], ++first_neighbor_[p.b + 1];
+  for (const auto& p : pairs_) {
+    ++first_neighbor_[p.a + 1];
+    ++first_neighbor_[p.b + 1];
+  }
   for (std::size_t i = 0; i < n; ++i) first_neighbor_[i + 1] += first_neighbor_[i];
   neighbors_.resize(2 * pairs_.size());
   std::vector<std::int32_t> at(first_neighbor_.begin(), first_neighbor_.end() - 1);
@@ -53,7 +56,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
       packing_.count(), kGrain, none,
       [&](std::size_t begin, std::size_t end) {
         Overlap part = none;
-        part.tests = static_cast<std::size_t>(first_neighbor_[end] - first_neighbor_[begin]);
+        part.tests = first_neighbor_[end] - first_neighbor_[begin];
         for (std::size_t i = begin; i < end; ++i) {
           const Vec3 p = packing_.position[i];
           const double radius = radius_[i], size = packing_.size[i];
@@ -72,14 +75,21 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
             const Vec3 n = distance > 1e-12 ? Vec3(-offset / distance)
                                             : Vec3(static_cast<std::int32_t>(i) < near.other ? 1 : -1, 0, 0);
             const double depth = wanted - distance;
-            m[0] += n[0] * n[0], m[1] += n[0] * n[1], m[2] += n[0] * n[2];
-            m[3] += n[1] * n[1], m[4] += n[1] * n[2], m[5] += n[2] * n[2];
+            m[0] += n[0] * n[0];
+            m[1] += n[0] * n[1];
+            m[2] += n[0] * n[2];
+            m[3] += n[1] * n[1];
+            m[4] += n[1] * n[2];
+            m[5] += n[2] * n[2];
             side += depth * n;
             deepest = std::max(deepest, depth);
             const double relative = (required - distance) / (smaller * packing_.shrink);
             part.worst = std::max(part.worst, relative);
             ++part.touching;  // counts each pair twice
-            if (relative > 0) part.energy += relative * relative, ++part.pairs;
+            if (relative > 0) {
+              part.energy += relative * relative;
+              ++part.pairs;
+            }
           }
           strain_[i] = deepest / size;
           wish_[i] = deepest > 0 ? solve(m, side) : Vec3::Zero();
@@ -88,10 +98,15 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
       },
       [](Overlap x, const Overlap& y) {
         x.worst = std::max(x.worst, y.worst);
-        x.energy += y.energy, x.pairs += y.pairs, x.touching += y.touching, x.tests += y.tests;
+        x.energy += y.energy;
+        x.pairs += y.pairs;
+        x.touching += y.touching;
+        x.tests += y.tests;
         return x;
       });
-  sum.energy *= 0.5, sum.pairs /= 2, sum.touching /= 2;
+  sum.energy *= 0.5;
+  sum.pairs /= 2;
+  sum.touching /= 2;
   return sum;
 }
 

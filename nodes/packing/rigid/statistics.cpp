@@ -69,7 +69,8 @@ Vec3 sections_per_area(const Shapes& shapes, const Particles& particles, const W
           Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
           for (const auto& v : shapes.shapes[particles.shape[i]].mesh.vertices) {
             const Vec3 p = turn * v;
-            low = low.cwiseMin(p), high = high.cwiseMax(p);
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
           }
           extents += particles.scale[i] * (high - low);
         }
@@ -86,7 +87,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   if (n < 2) return table;
   constexpr std::size_t kMost = 20000;
   const std::size_t stride = 1 + (n - 1) / kMost, looked = (n + stride - 1) / stride;
-  const double per_particle = particles.box.prod() / static_cast<double>(n);
+  const double per_particle = particles.box.prod() / n;
   const double farthest = std::min(0.5 * particles.box.minCoeff(), 5 * std::cbrt(per_particle));
   // A grid with cells as wide as the mean spacing; only cells within reach are visited.
   const PeriodicCells cells(particles.box, std::cbrt(per_particle), 256);
@@ -96,7 +97,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   for (std::size_t c = 1; c < begin_of.size(); ++c) begin_of[c] += begin_of[c - 1];
   std::vector<Vec3> center(n);
   std::vector<std::int32_t> next(begin_of.begin(), begin_of.end() - 1);
-  for (const Vec3& p : particles.position) center[static_cast<std::size_t>(next[cells.at(p)]++)] = p;
+  for (const Vec3& p : particles.position) center[next[cells.at(p)]++] = p;
   using Counts = std::vector<std::int64_t>;
   const Counts count = work.reduce<Counts>(
       looked, 64, Counts(bins, 0),
@@ -106,8 +107,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
           const std::size_t i = m * stride;
           const Vec3& p = center[i];
           cells.visit(p, farthest, [&](std::size_t cell) {
-            for (auto j = static_cast<std::size_t>(begin_of[cell]);
-                 j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
+            for (std::size_t j = begin_of[cell]; j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
               if (j == i) continue;
               const double distance = nearest_image(center[j] - p, particles.box).norm();
               const int bin = static_cast<int>(distance / farthest * bins);
@@ -124,8 +124,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
   for (int k = 0; k < bins; ++k) {
     const double lo = farthest * k / bins, hi = farthest * (k + 1) / bins;
     const double shell = 4.0 / 3 * std::numbers::pi * (hi * hi * hi - lo * lo * lo);
-    table.rows.push_back({0.5 * (lo + hi), static_cast<double>(count[k]) /
-                                               (static_cast<double>(looked) * shell / per_particle)});
+    table.rows.push_back({0.5 * (lo + hi), static_cast<double>(count[k]) / (looked * shell / per_particle)});
   }
   return table;
 }

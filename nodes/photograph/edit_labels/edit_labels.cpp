@@ -43,10 +43,12 @@ bool clip(Vec2& from, Vec2& to, int width, int height) {
       continue;
     }
     const double u = -a[k] / step[k], v = (most[k] - a[k]) / step[k];
-    begin = std::max(begin, std::min(u, v)), end = std::min(end, std::max(u, v));
+    begin = std::max(begin, std::min(u, v));
+    end = std::min(end, std::max(u, v));
   }
   if (begin > end) return false;
-  from = a + begin * step, to = a + end * step;
+  from = a + begin * step;
+  to = a + end * step;
   return true;
 }
 
@@ -87,7 +89,10 @@ class Editor {
           area = {area[0], {area[1].x(), area[0].y()}, area[1], {area[0].x(), area[1].y()}};
         const auto pixels = surrounded(l.width, l.height, {area});
         if (pixels.empty()) return "the area contains no pixel of the picture";
-        for (const auto i : pixels) l.ids[first_of(e) + i] = 0, out_.not_material.ids[first_of(e) + i] = 1;
+        for (const auto i : pixels) {
+          l.ids[first_of(e) + i] = 0;
+          out_.not_material.ids[first_of(e) + i] = 1;
+        }
         out_.not_material.classes = {0};
         return "";
       }
@@ -157,13 +162,17 @@ class Editor {
         const std::size_t i =
             l.index(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())), e.section);
         if (!line.empty() && line.back() == i) continue;
-        line.push_back(i), ++crossed[l.ids[i]];
+        line.push_back(i);
+        ++crossed[l.ids[i]];
       }
     }
     std::int32_t target = 0;
     std::size_t most = 0;
     for (const auto& [id, n] : crossed)
-      if (n > most) target = id, most = n;
+      if (n > most) {
+        target = id;
+        most = n;
+      }
     if (target == 0) return "the line meets no particle";
     std::vector<std::uint8_t> cut(l.ids.size(), 0);
     for (const auto i : line)
@@ -177,10 +186,12 @@ class Editor {
     const auto spread = [&](std::size_t begin, bool over_line) {
       for (std::size_t q = begin; q < queue.size(); ++q) {
         const std::size_t i = queue[q], in = i - first;
-        const int x = static_cast<int>(in % l.width), y = static_cast<int>(in / l.width);
+        const int x = in % l.width, y = in / l.width;
         const auto visit = [&](std::size_t j) {
-          if (l.ids[j] == target && piece[j] == 0 && (over_line || !cut[j]))
-            piece[j] = piece[i], queue.push_back(j);
+          if (l.ids[j] == target && piece[j] == 0 && (over_line || !cut[j])) {
+            piece[j] = piece[i];
+            queue.push_back(j);
+          }
         };
         if (x > 0) visit(i - 1);
         if (x + 1 < l.width) visit(i + 1);
@@ -191,7 +202,8 @@ class Editor {
     for (std::size_t i = first; i < last; ++i)
       if (l.ids[i] == target && !cut[i] && piece[i] == 0) {
         const std::size_t begin = queue.size();
-        piece[i] = ++pieces, queue.push_back(i);
+        piece[i] = ++pieces;
+        queue.push_back(i);
         spread(begin, false);
       }
     if (pieces < 2) return "the line does not divide the particle that it crosses";
@@ -212,8 +224,10 @@ void renumber(Labels& l) {
   std::vector<std::int32_t> classes;
   for (auto& id : l.ids) {
     if (id == 0) continue;
-    if (number[id] == 0)
-      classes.push_back(l.classes[id - 1]), number[id] = static_cast<std::int32_t>(classes.size());
+    if (number[id] == 0) {
+      classes.push_back(l.classes[id - 1]);
+      number[id] = classes.size();
+    }
     id = number[id];
   }
   l.classes = std::move(classes);
@@ -257,7 +271,7 @@ Edited apply_edits(const Labels& labels, const std::vector<Edit>& edits, const W
     work.check();
     if (const std::string why = editor.apply(edits[k]); !why.empty())
       out.warnings.push_back("edit " + std::to_string(k + 1) + " no longer applies: " + why);
-    work.progress(static_cast<double>(k + 1) / static_cast<double>(edits.size()));
+    work.progress(static_cast<double>(k + 1) / edits.size());
   }
   renumber(out.labels);
   return out;

@@ -12,7 +12,7 @@ std::vector<Edit> edits_of(const NodeParameters& p) {
   for (std::size_t k = 0; k < texts.size(); ++k) try {
       edits.push_back(read_edit(texts[k]));
     } catch (Error& e) {
-      throw e.item(static_cast<int>(k));
+      throw e.item(k);
     }
   return edits;
 }
@@ -23,7 +23,7 @@ void compute(Context& c) {
   Edited edited = apply_edits(c.input<Labels>("labels"), edits_of(c), c.work());
   for (const auto& warning : edited.warnings) c.warn(warning);
   c.metric("particles", edited.labels.count());
-  c.metric("edits_not_applied", static_cast<double>(edited.warnings.size()));
+  c.metric("edits_not_applied", edited.warnings.size());
   c.output("labels", std::move(edited.labels));
   c.output("not_material", std::move(edited.not_material));
 }

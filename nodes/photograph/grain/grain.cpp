@@ -9,8 +9,8 @@ namespace terrazzo::grain {
 namespace {
 
 double lattice(std::uint64_t seed, std::int64_t x, std::int64_t y) {
-  const std::uint64_t h = mix64(mix64(seed ^ static_cast<std::uint64_t>(x)) + static_cast<std::uint64_t>(y));
-  return static_cast<double>(h >> 11) * 0x1p-52 - 1;
+  const std::uint64_t h = mix64(mix64(seed ^ static_cast<std::uint64_t>(x)) + y);
+  return (h >> 11) * 0x1p-52 - 1;
 }
 
 // Value noise with quintic blending, in −1…1.
@@ -28,7 +28,7 @@ double value_noise(std::uint64_t seed, double x, double y) {
 double mottles(std::uint64_t seed, double x, double y) {
   double sum = 0, amplitude = 1;
   for (int octave = 0; octave < 5; ++octave, amplitude *= 0.6, x *= 2.03, y *= 2.03)
-    sum += amplitude * value_noise(seed + static_cast<std::uint64_t>(octave), x, y);
+    sum += amplitude * value_noise(seed + octave, x, y);
   return sum * 2.2;
 }
 
@@ -36,8 +36,7 @@ std::vector<double> gaussian(double sd) {
   const int radius = static_cast<int>(std::ceil(3 * sd));
   std::vector<double> k(static_cast<std::size_t>(2 * radius + 1));
   double sum = 0;
-  for (int i = -radius; i <= radius; ++i)
-    sum += k[static_cast<std::size_t>(i + radius)] = std::exp(-0.5 * i * i / (sd * sd));
+  for (int i = -radius; i <= radius; ++i) sum += k[i + radius] = std::exp(-0.5 * i * i / (sd * sd));
   for (double& w : k) w /= sum;
   return k;
 }
@@ -45,19 +44,18 @@ std::vector<double> gaussian(double sd) {
 Image blurred(const Image& in, double sd, const Work& work) {
   if (sd <= 0) return in;
   const auto k = gaussian(sd);
-  const int radius = static_cast<int>(k.size() / 2);
+  const int radius = k.size() / 2;
   Image rows = in, out = in;
   const auto pass = [&](const Image& from, Image& to, bool along_x) {
     work.parallel(static_cast<std::size_t>(in.height) * in.sections, 16, [&](std::size_t b, std::size_t e) {
       for (std::size_t r = b; r < e; ++r) {
-        const int y = static_cast<int>(r % static_cast<std::size_t>(in.height)),
-                  s = static_cast<int>(r / static_cast<std::size_t>(in.height));
+        const int y = r % static_cast<std::size_t>(in.height), s = r / static_cast<std::size_t>(in.height);
         for (int x = 0; x < in.width; ++x) {
           Eigen::Vector3d sum = Eigen::Vector3d::Zero();
           for (int i = -radius; i <= radius; ++i) {
             const int px = along_x ? std::clamp(x + i, 0, in.width - 1) : x;
             const int py = along_x ? y : std::clamp(y + i, 0, in.height - 1);
-            sum += k[static_cast<std::size_t>(i + radius)] * from.at(px, py, s).cast<double>();
+            sum += k[i + radius] * from.at(px, py, s).cast<double>();
           }
           to.at(x, y, s) = sum.cast<float>();
         }
@@ -82,9 +80,9 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
       static_cast<std::size_t>(image.height) * image.sections, 16, [&](std::size_t b, std::size_t e) {
         for (std::size_t r = b; r < e; ++r)
           for (int x = 0; x < image.width; ++x) {
-            const std::size_t i = r * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
-            const auto id = static_cast<std::uint64_t>(labels ? labels->ids[i] : 0);
-            const double y = static_cast<double>(r % static_cast<std::size_t>(image.height));
+            const std::size_t i = r * static_cast<std::size_t>(image.width) + x;
+            const std::uint64_t id = labels ? labels->ids[i] : 0;
+            const double y = r % static_cast<std::size_t>(image.height);
             // Each body has its own pattern and direction.
             Random own(g.seed, 1, id);
             const double turn = own.uniform(0, 6.283185307179586), c = std::cos(turn), s = std::sin(turn);
@@ -92,7 +90,7 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
                 mottles(mix64(g.seed ^ mix64(id)), (c * x - s * y) * per_mm, (s * x + c * y) * per_mm);
             for (int k = 0; k < 3; ++k) {
               const double factor = (1 + g.mottle * m) * (1 + (id ? g.vary * own.normal() : 0.0));
-              out.pixels[i][k] = static_cast<float>(std::max(0.0, out.pixels[i][k] * factor));
+              out.pixels[i][k] = std::max(0.0, out.pixels[i][k] * factor);
             }
           }
       });
@@ -102,8 +100,7 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
       Random random(g.seed, 2, i);
       for (int k = 0; k < 3; ++k) {
         const double v = out.pixels[i][k];
-        out.pixels[i][k] =
-            static_cast<float>(std::max(0.0, v + g.noise * std::sqrt(v / 0.5) * random.normal()));
+        out.pixels[i][k] = std::max(0.0, v + g.noise * std::sqrt(v / 0.5) * random.normal());
       }
     }
   });

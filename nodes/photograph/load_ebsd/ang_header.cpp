@@ -93,7 +93,7 @@ class HeaderReader {
       const auto id = whole(key, value);
       if (id > 1'000'000)
         lines_.malformed(fmt::format("the number of a phase must be at most 1000000; it is {}", id));
-      start_phase(static_cast<int>(id));
+      start_phase(id);
       numbered_ = true;
     } else if (key == "MaterialName") {
       // ASTAR does not number its phases.
@@ -167,9 +167,8 @@ class HeaderReader {
         for (const std::string_view name : known[k])
           if (plain(names[i].substr(0, names[i].find_first_of("[("))) == name) header_.at[k] = i;
     for (const int k : {AngHeader::Phi1, AngHeader::Phi, AngHeader::Phi2, AngHeader::X, AngHeader::Y})
-      if (header_.at[static_cast<std::size_t>(k)] == std::string_view::npos)
-        lines_.malformed(
-            fmt::format("the header names no column {}", *known[static_cast<std::size_t>(k)].begin()));
+      if (header_.at[k] == std::string_view::npos)
+        lines_.malformed(fmt::format("the header names no column {}", *known[k].begin()));
   }
 
   // The unit of the columns that have one of the two; "" if none is named.

@@ -19,7 +19,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 // Calls f with each of the four neighbors of pixel i.
 template <class F>
 void neighbors(const EbsdMap& map, std::size_t i, F&& f) {
-  const auto width = static_cast<std::size_t>(map.width);
+  const std::size_t width = map.width;
   const std::size_t x = i % width, y = i / width;
   if (y > 0) f(i - width);
   if (x > 0) f(i - 1);
@@ -34,12 +34,12 @@ std::vector<std::int32_t> phases_of(const EbsdMap& map, const GrainRule& rule) {
     if (p < 1 || p > static_cast<std::int64_t>(map.phases.size()))
       throw Error("bad-value", fmt::format("there is no phase {}; the map has {}", p, map.phases.size()))
           .parameter("phases");
-    wanted[static_cast<std::size_t>(p - 1)] = true;
+    wanted[p - 1] = true;
   }
   std::vector<std::int32_t> out(map.points.size(), -1);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const MapPoint& p = map.points[i];
-    if (p.phase >= 0 && wanted[static_cast<std::size_t>(p.phase)] && p.confidence >= rule.min_confidence &&
+    if (p.phase >= 0 && wanted[p.phase] && p.confidence >= rule.min_confidence &&
         p.deviation <= rule.max_deviation)
       out[i] = p.phase;
   }
@@ -58,7 +58,10 @@ void fill_once(const EbsdMap& map, std::vector<std::int32_t>& ids) {
     std::ptrdiff_t most = 0;
     for (const std::int32_t id : near) {
       const auto same = std::count(near.begin(), near.end(), id);
-      if (id != 0 && same > most) most = same, ids[i] = id;
+      if (id != 0 && same > most) {
+        most = same;
+        ids[i] = id;
+      }
     }
   }
 }
@@ -72,8 +75,8 @@ void measure(const EbsdMap& map, const std::vector<std::int32_t>& ids,
     sums.assign(grains.size(), Eigen::Vector4d::Zero());
     for (std::size_t i = 0; i < ids.size(); ++i) {
       if (ids[i] == 0) continue;
-      const auto g = static_cast<std::size_t>(ids[i] - 1);
-      const auto& symmetry = rotations[static_cast<std::size_t>(grains[g].phase)];
+      const std::size_t g = ids[i] - 1;
+      const auto& symmetry = rotations[grains[g].phase];
       sums[g] += closest(map.points[i].orientation, grains[g].mean, symmetry).coeffs().cast<double>();
     }
     for (std::size_t g = 0; g < grains.size(); ++g)
@@ -81,10 +84,9 @@ void measure(const EbsdMap& map, const std::vector<std::int32_t>& ids,
   }
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (ids[i] == 0) continue;
-    Grain& g = grains[static_cast<std::size_t>(ids[i] - 1)];
-    const float cosine =
-        half_angle_cosine(map.points[i].orientation, g.mean, rotations[static_cast<std::size_t>(g.phase)]);
-    const auto n = static_cast<double>(g.pixels);
+    Grain& g = grains[ids[i] - 1];
+    const float cosine = half_angle_cosine(map.points[i].orientation, g.mean, rotations[g.phase]);
+    const double n = g.pixels;
     g.spread += 2 * std::acos(std::min(1.0, static_cast<double>(cosine))) / kDegree / n;
     g.quality += map.points[i].quality / n;
   }
@@ -96,40 +98,42 @@ Grains find_grains(const EbsdMap& map, const GrainRule& rule, const Work& work) 
   const std::vector<std::int32_t> phase = phases_of(map, rule);
   std::vector<std::vector<Eigen::Quaternionf>> rotations;
   for (const auto& p : map.phases) rotations.push_back(p.symmetry.rotations());
-  const auto limit = static_cast<float>(std::cos(rule.misorientation * kDegree / 2));
+  const float limit = std::cos(rule.misorientation * kDegree / 2);
   DisjointSets sets(map.points.size());
-  const auto width = static_cast<std::size_t>(map.width);
+  const std::size_t width = map.width;
   for (std::size_t i = 0; i < map.points.size(); ++i) {
     if (i % 4096 == 0) {
       work.check();
-      work.progress(static_cast<double>(i) / static_cast<double>(map.points.size()), "grains");
+      work.progress(static_cast<double>(i) / map.points.size(), "grains");
     }
     if (phase[i] < 0) continue;
     const auto join = [&](std::size_t n) {
       if (phase[n] == phase[i] && half_angle_cosine(map.points[i].orientation, map.points[n].orientation,
-                                                    rotations[static_cast<std::size_t>(phase[i])]) > limit)
-        sets.join(static_cast<std::int32_t>(i), static_cast<std::int32_t>(n));
+                                                    rotations[phase[i]]) > limit)
+        sets.join(i, n);
     };
     if (i % width > 0) join(i - 1);
     if (i >= width) join(i - width);
   }
   std::vector<std::int64_t> pixels(map.points.size());
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (phase[i] >= 0) ++pixels[static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(i)))];
+    if (phase[i] >= 0) ++pixels[sets.find(static_cast<std::int32_t>(i))];
 
   Grains out;
   Labels& labels = out.labels;
-  labels.width = map.width, labels.height = map.height, labels.pixel_size = map.pixel_size / 1000;
+  labels.width = map.width;
+  labels.height = map.height;
+  labels.pixel_size = map.pixel_size / 1000;
   labels.ids.assign(map.points.size(), 0);
   std::vector<std::int32_t> number(map.points.size());
   for (std::size_t i = 0; i < map.points.size(); ++i) {  // the representative of a set is its first pixel
     if (phase[i] < 0) continue;
-    const auto root = static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(i)));
+    const std::size_t root = sets.find(static_cast<std::int32_t>(i));
     if (pixels[root] < rule.min_pixels) continue;
     if (root == i) {
       out.grains.push_back({phase[i], pixels[i], map.points[i].orientation});
       labels.classes.push_back(phase[i]);
-      number[i] = static_cast<std::int32_t>(out.grains.size());
+      number[i] = out.grains.size();
     }
     labels.ids[i] = number[root];
   }
@@ -150,12 +154,12 @@ Table grain_table(const EbsdMap& map, const Grains& g) {
                  "phi1 °", "Phi °", "phi2 °", "spread °", "quality"};
   std::vector<std::int64_t> pixels(g.grains.size());
   for (const auto id : g.labels.ids)
-    if (id > 0) ++pixels[static_cast<std::size_t>(id - 1)];
+    if (id > 0) ++pixels[id - 1];
   for (std::size_t k = 0; k < g.grains.size(); ++k) {
     const Grain& grain = g.grains[k];
-    const double area = static_cast<double>(pixels[k]) * g.labels.pixel_size * g.labels.pixel_size;
+    const double area = pixels[k] * g.labels.pixel_size * g.labels.pixel_size;
     const Vec3 angles = to_bunge(grain.mean);
-    out.rows.push_back({static_cast<double>(k + 1), map.phases[static_cast<std::size_t>(grain.phase)].name,
+    out.rows.push_back({static_cast<double>(k + 1), map.phases[grain.phase].name,
                         static_cast<double>(pixels[k]), area, std::sqrt(4 * area / std::numbers::pi),
                         angles.x(), angles.y(), angles.z(), grain.spread, grain.quality});
   }
@@ -168,8 +172,7 @@ Image orientation_image(const EbsdMap& map, const Work& work) {
     for (std::size_t i = begin; i < end; ++i) {
       const MapPoint& p = map.points[i];
       if (p.phase < 0) continue;
-      out.pixels[i] = srgb_to_linear(
-          direction_color(p.orientation, map.phases[static_cast<std::size_t>(p.phase)].symmetry));
+      out.pixels[i] = srgb_to_linear(direction_color(p.orientation, map.phases[p.phase].symmetry));
     }
   });
   return out;

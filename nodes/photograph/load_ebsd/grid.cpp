@@ -109,21 +109,20 @@ void check_counts(const GridHeader& h, const Grid& g, const Axis& x, const Axis&
 void place_points(Grid& g, const Axis& x, const Axis& y, const PointList& p, std::uint64_t memory,
                   const Lines& lines) {
   g.width = std::max(g.columns[0], g.columns[1]);
-  const auto places = static_cast<double>(g.width) * static_cast<double>(g.rows);
-  if (places > static_cast<double>(kMostPlaces) ||
-      places > static_cast<double>(kMostPlacesPerPoint) * static_cast<double>(p.points.size()))
+  const auto places = static_cast<double>(g.width) * g.rows;
+  if (places > kMostPlaces || places > static_cast<double>(kMostPlacesPerPoint) * p.points.size())
     lines.unreadable(fmt::format("its {} points are too few for their grid of {} columns and {} rows",
                                  p.points.size(), g.width, g.rows));
   require_memory(places * sizeof(std::int32_t), memory, "the grid of the map");
   g.points.assign(static_cast<std::size_t>(g.width * g.rows), -1);
   for (std::size_t i = 0; i < p.points.size(); ++i) {
     const std::int64_t row = y.at[i], column = g.staggered ? x.at[i] / 2 : x.at[i];
-    auto& place = g.points[static_cast<std::size_t>(row * g.width + column)];
+    auto& place = g.points[row * g.width + column];
     if (place >= 0)
       lines.contradiction(p.line[i],
                           fmt::format("a second point at x {:.7g} and y {:.7g} µm; the first is in line {}",
-                                      p.x[i], p.y[i], p.line[static_cast<std::size_t>(place)]));
-    place = static_cast<std::int32_t>(i);
+                                      p.x[i], p.y[i], p.line[place]));
+    place = i;
   }
   std::int64_t all = 0;
   for (std::int64_t row = 0; row < g.rows; ++row) all += g.columns[g.shift(row)];
@@ -174,7 +173,9 @@ Grid find_grid(const PointList& p, const GridHeader& header, std::uint64_t memor
   }
   if (g.transposed) {
     PointList turned;  // only what messages need
-    turned.x = p.y, turned.y = p.x, turned.line = p.line;
+    turned.x = p.y;
+    turned.y = p.x;
+    turned.line = p.line;
     check_counts(h, g, x, y, turned, lines);
   } else {
     check_counts(h, g, x, y, p, lines);

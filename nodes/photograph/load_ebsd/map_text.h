@@ -15,8 +15,11 @@ class Lines {
  public:
   Lines(std::string_view text, std::string file) : text_(text), file_(std::move(file)) {}
   bool next(std::string_view& line);
-  void back() { at_ = before_, --number_; }  // to read the last line again
-  int number() const { return number_; }     // of the line that was read last
+  void back() {
+    at_ = before_;
+    --number_;
+  }                                       // to read the last line again
+  int number() const { return number_; }  // of the line that was read last
   // Throws Error "malformed-row" with the file and the line that was read last, or with one that contradicts
   // the header or others, or "unreadable-file".
   [[noreturn]] void malformed(const std::string& what) const;

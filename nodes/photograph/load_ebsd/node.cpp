@@ -20,9 +20,9 @@ EbsdMap read_map(Context& c) {
         .parameter("path");
   try {
     const std::string text = read_text(files[0], reading_of(c)), file = files[0].string();
-    const double bytes = map_bytes_per_byte * static_cast<double>(text.size());
+    const double bytes = map_bytes_per_byte * text.size();
     require_memory(bytes, c.memory(), fmt::format("the map '{}'", file));
-    const auto left = static_cast<std::uint64_t>(static_cast<double>(c.memory()) - bytes);
+    const auto left = static_cast<std::uint64_t>(c.memory() - bytes);
     return text.starts_with("Channel Text File") ? read_ctf(text, file, left) : read_ang(text, file, left);
   } catch (Error& e) {
     throw e.parameter("path");
@@ -35,10 +35,10 @@ void compute(Context& c) {
   require_memory(static_cast<double>(map.points.size()) * 60, c.memory(), "the grains of the map");
   GrainRule rule;
   rule.misorientation = c.number("misorientation");
-  rule.min_confidence = static_cast<float>(c.number("min_confidence"));
-  rule.max_deviation = static_cast<float>(c.number("max_deviation"));
-  rule.min_pixels = static_cast<int>(c.integer("min_pixels"));
-  rule.fill = static_cast<int>(c.integer("fill"));
+  rule.min_confidence = c.number("min_confidence");
+  rule.max_deviation = c.number("max_deviation");
+  rule.min_pixels = c.integer("min_pixels");
+  rule.fill = c.integer("fill");
   if (c.keyword("phases").empty()) rule.phases = c.ints("phases");
   Grains grains = find_grains(map, rule, c.work());
   c.output("image", c.choice<Picture>("picture") == Picture::Orientation ? orientation_image(map, c.work())
@@ -51,13 +51,11 @@ void compute(Context& c) {
   if (map.missing > 0)
     c.warn(fmt::format("the file has no point for {} places of its grid; they count as not indexed",
                        map.missing));
-  const auto share = [&](auto count) {
-    return static_cast<double>(count) / static_cast<double>(map.points.size());
-  };
+  const auto share = [&](auto count) { return static_cast<double>(count) / map.points.size(); };
   if (share(indexed) < 0.5)
     c.warn(fmt::format("only {:.0f} % of the map's points are indexed", 100 * share(indexed)));
-  c.metric("grains", static_cast<double>(grains.grains.size()));
-  c.metric("phases", static_cast<double>(map.phases.size()));
+  c.metric("grains", grains.grains.size());
+  c.metric("phases", map.phases.size());
   c.metric("indexed", share(indexed));
   c.metric("area_fraction", share(labeled));
   c.output("labels", std::move(grains.labels));

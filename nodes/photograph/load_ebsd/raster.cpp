@@ -14,7 +14,7 @@ constexpr double kMostPixels = 2147483647.0;
 constexpr double kMostPixelsPerPoint = 100;
 
 void check_size(const Grid& g, double pixel, std::uint64_t memory, const Lines& lines) {
-  const double points = static_cast<double>(g.width) * static_cast<double>(g.rows);
+  const double points = static_cast<double>(g.width) * g.rows;
   const double pixels = points * (g.x_step / pixel) * (g.y_step / pixel);
   if (pixels > kMostPixels)
     lines.unreadable(fmt::format("it would have {:.3g} square pixels; the limit is {}", pixels, kMostPixels));
@@ -25,7 +25,7 @@ void check_size(const Grid& g, double pixel, std::uint64_t memory, const Lines& 
 
 void transpose(EbsdMap& map) {
   std::vector<MapPoint> out(map.points.size());
-  const auto width = static_cast<std::size_t>(map.width), height = static_cast<std::size_t>(map.height);
+  const std::size_t width = map.width, height = map.height;
   for (std::size_t y = 0; y < height; ++y)
     for (std::size_t x = 0; x < width; ++x) out[x * height + y] = map.points[y * width + x];
   map.points = std::move(out);
@@ -43,22 +43,23 @@ EbsdMap rasterize(const Grid& g, const PointList& p, std::vector<Phase> phases, 
   const double pixel = out.pixel_size;
   check_size(g, pixel, memory, lines);
   const auto at = [&](std::int64_t row, std::int64_t column) {
-    const std::int32_t i = g.points[static_cast<std::size_t>(row * g.width + column)];
-    return i < 0 ? MapPoint{} : p.points[static_cast<std::size_t>(i)];
+    const std::int32_t i = g.points[row * g.width + column];
+    return i < 0 ? MapPoint{} : p.points[i];
   };
   // Steps that differ by less than half a pixel over the whole map are equal.
-  const double most = static_cast<double>(std::max(g.width, g.rows));
+  const double most = std::max(g.width, g.rows);
   if (!g.staggered && std::abs(g.x_step - g.y_step) * most < 0.5 * pixel) {
-    out.width = static_cast<int>(g.width), out.height = static_cast<int>(g.rows);
+    out.width = g.width;
+    out.height = g.rows;
     out.points.reserve(g.points.size());
     for (std::int64_t y = 0; y < g.rows; ++y)
       for (std::int64_t x = 0; x < g.width; ++x) out.points.push_back(at(y, x));
     return out;
   }
   const auto across = g.staggered ? std::min(g.columns[0], g.columns[1]) : g.width;
-  out.width = std::max(1, static_cast<int>(std::lround(static_cast<double>(across) * g.x_step / pixel)));
-  out.height = std::max(1, static_cast<int>(std::lround(static_cast<double>(g.rows) * g.y_step / pixel)));
-  out.points.reserve(static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+  out.width = std::max(1, static_cast<int>(std::lround(across * g.x_step / pixel)));
+  out.height = std::max(1, static_cast<int>(std::lround(g.rows * g.y_step / pixel)));
+  out.points.reserve(static_cast<std::size_t>(out.width) * out.height);
   // Points are in the middle of their cells; those of shifted rows half a step further.
   for (int y = 0; y < out.height; ++y) {
     const auto row =

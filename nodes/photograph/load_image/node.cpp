@@ -39,9 +39,8 @@ void compute(Context& c) {
     if (i == 0 && scale) offer(*scale, c);
     if (i == 0) {
       stack = std::move(section);
-      require_memory(
-          static_cast<double>(sizeof(Vec3f)) * static_cast<double>(stack.pixels.size() * files.size()),
-          c.memory(), std::to_string(files.size()) + " images");
+      require_memory(static_cast<double>(sizeof(Vec3f)) * (stack.pixels.size() * files.size()), c.memory(),
+                     std::to_string(files.size()) + " images");
       stack.pixels.reserve(stack.pixels.size() * files.size());
     } else {
       if (section.width != stack.width || section.height != stack.height)
@@ -54,7 +53,7 @@ void compute(Context& c) {
       stack.pixels.insert(stack.pixels.end(), section.pixels.begin(), section.pixels.end());
       ++stack.sections;
     }
-    c.work().progress(static_cast<double>(i + 1) / static_cast<double>(files.size()));
+    c.work().progress(static_cast<double>(i + 1) / files.size());
   }
   c.metric("width", stack.width);
   c.metric("height", stack.height);

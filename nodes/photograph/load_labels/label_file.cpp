@@ -80,8 +80,8 @@ void require_unmixed(const RawMask& m, const std::filesystem::path& path) {
     for (int x = 0; x < m.width; ++x)
       if (const auto label = mixed.find(m.at(x, y)); label != mixed.end() && label->second)
         label->second = touches_two(m, x, y);
-  const auto count = static_cast<std::size_t>(
-      std::count_if(mixed.begin(), mixed.end(), [](const auto& label) { return label.second; }));
+  const std::size_t count =
+      std::count_if(mixed.begin(), mixed.end(), [](const auto& label) { return label.second; });
   constexpr std::size_t least = 3;  // of two by two samples per pixel
   if (count < least || count == mixed.size() || 2 * count <= mixed.size()) return;
   throw Error(
@@ -125,8 +125,9 @@ void require_solid(const std::vector<RawMask>& masks, const std::set<std::uint32
 
 Labels empty_labels(const std::vector<RawMask>& masks, double pixel_size) {
   Labels labels;
-  labels.width = masks.at(0).width, labels.height = masks[0].height,
-  labels.sections = static_cast<int>(masks.size());
+  labels.width = masks.at(0).width;
+  labels.height = masks[0].height;
+  labels.sections = masks.size();
   labels.pixel_size = pixel_size;
   for (const auto& m : masks)
     if (m.width != labels.width || m.height != labels.height)
@@ -177,12 +178,12 @@ RawMask read_mask(const std::filesystem::path& path, const PageChoice& choice, c
   warn_of_background(s, name, reading);
   const bool colors = s.is_color && !chosen.channel;
   RawMask mask{s.width, s.height, {}};
-  mask.values.resize(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height));
+  mask.values.resize(static_cast<std::size_t>(s.width) * s.height);
   for (std::size_t p = 0; p < mask.values.size(); ++p) {
     if (!chosen.channel && s.alpha >= 0 && s.at(p, s.alpha) == 0) continue;
     const double v = s.at(p, chosen.channel.value_or(0));
     if (s.clear && v == *s.clear) continue;
-    if (!s.palette_alpha.empty() && v < static_cast<double>(s.palette_alpha.size()) &&
+    if (!s.palette_alpha.empty() && v < s.palette_alpha.size() &&
         s.palette_alpha[static_cast<std::size_t>(v)] == 0)
       continue;
     mask.values[p] = colors ? color_label(s, p, path) : label_of(v, path);

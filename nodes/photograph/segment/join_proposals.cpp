@@ -68,7 +68,7 @@ void keep_outlines(Particles2D& p, const Particles2D& bodies, int width, int hei
   for (std::size_t i = 0; i < p.labels.size(); ++i) {
     if (of_color(p.labels[i])) p.coverage[i] = std::max(0.5f, bodies.coverage[i]);
     if (p.labels[i] != 0 || bodies.labels[i] != 0) continue;
-    const int x = static_cast<int>(i % width), y = static_cast<int>(i / width);
+    const int x = i % width, y = i / width;
     for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
       for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
         if (of_color(p.labels[static_cast<std::size_t>(v) * width + u]))
@@ -82,8 +82,7 @@ NetworkView::Found choose_among_rivals(const NetworkView& view, std::vector<Inst
   const Particles2D& bodies = by_color.particles;
   std::vector<Instance> all = on_bodies(std::move(candidates), bodies);
   const std::size_t first = all.size();
-  const auto joined =
-      joined_bodies(image, bodies.labels, static_cast<std::int32_t>(by_color.scores.size()), all, work);
+  const auto joined = joined_bodies(image, bodies.labels, by_color.scores.size(), all, work);
   for (Instance& body : rivals_of(by_color, joined, view)) all.push_back(std::move(body));
   NetworkOptions options;
   options.min_area = split.min_area >= 0 ? split.min_area : std::min(options.min_area, bodies.min_area);

@@ -91,11 +91,11 @@ std::string place_of(const FoundObject& o, int sections) {
 
 void compute(Context& c) {
   SegmentOptions options;
-  options.clusters = static_cast<int>(c.optional_integer("clusters").value_or(0));
+  options.clusters = c.optional_integer("clusters").value_or(0);
   options.binder = hint_of(c);
   options.split.strength = c.number("split");
   options.split.min_area = c.optional_number("min_area").value_or(-1);
-  options.color_classes = static_cast<int>(c.optional_integer("color_classes").value_or(0));
+  options.color_classes = c.optional_integer("color_classes").value_or(0);
   options.method = c.choice<Method>("method");
   options.network_scale = c.optional_number("network_scale").value_or(0);
   options.min_confidence = c.number("min_confidence");
@@ -125,26 +125,29 @@ void compute(Context& c) {
       given ? measure_labels(image, *given, options, c.work()) : segment::segment(image, options, c.work());
 
   std::size_t at_border = 0, uncertain = 0;
-  for (const auto& p : s.profiles.profiles) at_border += p.touches_border, uncertain += p.confidence < 0.5;
-  c.metric("profiles", static_cast<double>(s.profiles.profiles.size()));
-  c.metric("at_border", static_cast<double>(at_border));
+  for (const auto& p : s.profiles.profiles) {
+    at_border += p.touches_border;
+    uncertain += p.confidence < 0.5;
+  }
+  c.metric("profiles", s.profiles.profiles.size());
+  c.metric("at_border", at_border);
   c.metric("area_fraction", s.profiles.area_fraction);
-  const double undecided = static_cast<double>(std::count(s.undecided.begin(), s.undecided.end(), 1)) /
-                           static_cast<double>(s.labels.ids.size());
+  const double undecided =
+      static_cast<double>(std::count(s.undecided.begin(), s.undecided.end(), 1)) / s.labels.ids.size();
   c.metric("undecided", undecided);
   if (!given) {
-    c.metric("clusters", static_cast<double>(s.ground.clusters.centers.size()));
+    c.metric("clusters", s.ground.clusters.centers.size());
     c.metric("silhouette", s.ground.clusters.silhouette);
     c.metric("min_area", s.min_area);
     c.metric("by_network", s.method == Method::Network || s.method == Method::Both);
     c.metric("by_clusters", s.method == Method::Clusters || s.method == Method::Both);
     if (s.network_scale > 0) c.metric("network_scale", s.network_scale);
     c.metric("by_scribbles", s.method == Method::Scribbles);
-    c.metric("uncertain", static_cast<double>(uncertain));
-    c.metric("unlikely_dropped", static_cast<double>(s.unlikely));
-    c.metric("specks_dropped", static_cast<double>(s.specks));
-    c.metric("speck_pixels", static_cast<double>(s.speck_pixels));
-    c.metric("holes_filled", static_cast<double>(s.holes));
+    c.metric("uncertain", uncertain);
+    c.metric("unlikely_dropped", s.unlikely);
+    c.metric("specks_dropped", s.specks);
+    c.metric("speck_pixels", s.speck_pixels);
+    c.metric("holes_filled", s.holes);
   }
   if (!given && options.method == Method::Auto && s.reliability.both > 0) {
     c.metric("reliability_of_clusters", s.reliability.clusters);

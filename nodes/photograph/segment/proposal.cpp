@@ -24,7 +24,9 @@ void Proposal::add(Particles2D found, const std::vector<double>& judged) {
   confidence.insert(confidence.end(), judged.begin(), judged.end());
   coverage.insert(coverage.end(), found.coverage.begin(), found.coverage.end());
   min_area = found.min_area;
-  specks += found.specks, speck_pixels += found.speck_pixels, holes += found.holes;
+  specks += found.specks;
+  speck_pixels += found.speck_pixels;
+  holes += found.holes;
 }
 
 void Proposal::add_chosen(NetworkView::Found chosen) {
@@ -33,7 +35,10 @@ void Proposal::add_chosen(NetworkView::Found chosen) {
 
 void Proposal::fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
   const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
-  if (section == 0) filled_ = {}, filled_confidence_ = {};
+  if (section == 0) {
+    filled_ = {};
+    filled_confidence_ = {};
+  }
   const auto begin = labels.ids.begin() + static_cast<std::ptrdiff_t>(section * plane);
   std::vector<std::int32_t> own(begin, begin + static_cast<std::ptrdiff_t>(plane));
   std::map<std::int32_t, std::int32_t> names;  // numbers of all sections → 1 to n
@@ -42,11 +47,12 @@ void Proposal::fill(int section, const Image& image, const NetworkView* judge, c
   const std::int32_t count = fill_gaps(own, image, section);
   std::vector<double> judged(count, 1);
   if (judge) judged = confidences_of(judge->scores(own, count, work.quiet()));
-  const auto before = static_cast<std::int32_t>(filled_confidence_.size());
+  const std::int32_t before = filled_confidence_.size();
   for (const auto id : own) filled_.push_back(id + before);
   filled_confidence_.insert(filled_confidence_.end(), judged.begin(), judged.end());
   if (section + 1 < image.sections) return;
-  labels.ids = std::move(filled_), confidence = std::move(filled_confidence_);
+  labels.ids = std::move(filled_);
+  confidence = std::move(filled_confidence_);
   labels.classes.assign(confidence.size(), 0);
   coverage.assign(coverage.size(), 1);
 }
@@ -62,7 +68,7 @@ void Proposal::refine(int section, const Image& image, const Work& work) {
   smooth_outlines(colors, ids, shares, work);
   std::copy(ids.begin(), ids.end(), labels.ids.begin() + first);
   std::copy(shares.begin(), shares.end(), coverage.begin() + first);
-  if (section + 1 == image.sections) renumber(static_cast<std::size_t>(plane));
+  if (section + 1 == image.sections) renumber(plane);
 }
 
 // Numbers the particles in the order of their sections, since splitting appends numbers.
@@ -77,7 +83,7 @@ void Proposal::renumber(std::size_t plane) {
     for (const auto id : here) {
       if (id == 0) continue;
       ordered.push_back(confidence[id - 1]);
-      number[id] = static_cast<std::int32_t>(ordered.size());
+      number[id] = ordered.size();
     }
   }
   for (auto& id : labels.ids) id = number[id];
@@ -101,8 +107,10 @@ Proposal::Weight Proposal::weight() const {
   for (const auto id : labels.ids)
     if (id > 0) ++area[id - 1];
   Weight w;
-  for (std::size_t k = 0; k < area.size(); ++k)
-    w.right += std::sqrt(area[k]) * confidence[k], w.found += std::sqrt(area[k]);
+  for (std::size_t k = 0; k < area.size(); ++k) {
+    w.right += std::sqrt(area[k]) * confidence[k];
+    w.found += std::sqrt(area[k]);
+  }
   return w;
 }
 

@@ -77,7 +77,7 @@ class TileJoiner {
   void add(const Tile& t, const Finding& part) {
     if (!part.undecided.empty()) found_.undecided.resize(photo_.pixels.size(), 0);
     const int w = t.seen_right - t.seen_left, h = t.seen_bottom - t.seen_top;
-    const auto count = static_cast<std::int32_t>(part.confidence.size());
+    const std::int32_t count = part.confidence.size();
     struct Body {
       double x = 0, y = 0;
       std::int64_t pixels = 0;
@@ -96,7 +96,9 @@ class TileJoiner {
         const std::int32_t id = part.result.labels.ids[i];
         if (id == 0) continue;
         Body& b = bodies[id - 1];
-        b.x += x, b.y += y, ++b.pixels;
+        b.x += x;
+        b.y += y;
+        ++b.pixels;
         b.cut = b.cut || (x == 0 && t.seen_left > 0) || (y == 0 && t.seen_top > 0) ||
                 (x == w - 1 && t.seen_right < photo_.width) || (y == h - 1 && t.seen_bottom < photo_.height);
         if (const std::int32_t there = found_.result.labels.ids[to]; there > 0) ++b.occupied[there];
@@ -105,13 +107,15 @@ class TileJoiner {
     for (std::int32_t k = 0; k < count; ++k) {
       const Body& b = bodies[k];
       if (b.pixels == 0) continue;
-      const double x = t.seen_left + b.x / static_cast<double>(b.pixels),
-                   y = t.seen_top + b.y / static_cast<double>(b.pixels);
+      const double x = t.seen_left + b.x / b.pixels, y = t.seen_top + b.y / b.pixels;
       std::int32_t most = 0;
       std::int64_t shared = 0, taken = 0;
       for (const auto& [id, pixels] : b.occupied) {
         taken += pixels;
-        if (pixels > shared) shared = pixels, most = id;
+        if (pixels > shared) {
+          shared = pixels;
+          most = id;
+        }
       }
       if (b.cut && most > 0 && cut_[most - 1] && 2 * shared > taken) {
         becomes[k + 1] = most;  // two parts of one large particle
@@ -124,7 +128,7 @@ class TileJoiner {
       if (!mine || 2 * taken > b.pixels) continue;
       found_.confidence.push_back(part.confidence[k]);
       cut_.push_back(b.cut);
-      becomes[k + 1] = static_cast<std::int32_t>(cut_.size());
+      becomes[k + 1] = cut_.size();
     }
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
@@ -137,10 +141,15 @@ class TileJoiner {
     Segmentation& all = found_.result;
     const Segmentation& s = part.result;
     all.min_area = std::max(all.min_area, s.min_area);
-    all.specks += s.specks, all.speck_pixels += s.speck_pixels, all.holes += s.holes;
+    all.specks += s.specks;
+    all.speck_pixels += s.speck_pixels;
+    all.holes += s.holes;
     for (FoundObject o : s.not_material) {
       o.section = t.section;
-      o.left += t.seen_left, o.right += t.seen_left, o.top += t.seen_top, o.bottom += t.seen_top;
+      o.left += t.seen_left;
+      o.right += t.seen_left;
+      o.top += t.seen_top;
+      o.bottom += t.seen_top;
       add_object(o);
     }
     if (!part.ignored.empty()) {
@@ -154,7 +163,9 @@ class TileJoiner {
   // Completes the labels. Tiles were added section by section, so their numbers are in order.
   void finish() {
     Labels& labels = found_.result.labels;
-    labels.width = photo_.width, labels.height = photo_.height, labels.sections = photo_.sections;
+    labels.width = photo_.width;
+    labels.height = photo_.height;
+    labels.sections = photo_.sections;
     labels.pixel_size = photo_.pixel_size;
     labels.classes.assign(cut_.size(), 0);
   }
@@ -170,8 +181,10 @@ class TileJoiner {
       const FoundObject& other = objects[k];
       if (other.section == o.section && other.left <= o.right + 1 && o.left <= other.right + 1 &&
           other.top <= o.bottom + 1 && o.top <= other.bottom + 1) {
-        o.left = std::min(o.left, other.left), o.right = std::max(o.right, other.right);
-        o.top = std::min(o.top, other.top), o.bottom = std::max(o.bottom, other.bottom);
+        o.left = std::min(o.left, other.left);
+        o.right = std::max(o.right, other.right);
+        o.top = std::min(o.top, other.top);
+        o.bottom = std::max(o.bottom, other.bottom);
         o.pixels = std::max(o.pixels, other.pixels);
         objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(k));
         k = 0;
@@ -199,8 +212,9 @@ std::vector<Tile> tiles_of(int width, int height, int sections) {
     for (int top = 0; top < height; top += kTile)
       for (int left = 0; left < width; left += kTile) {
         Tile t{section, left, top, std::min(width, left + kTile), std::min(height, top + kTile), 0, 0, 0, 0};
-        t.seen_left = std::max(0, t.left - kAround), t.seen_top = std::max(0, t.top - kAround);
-        t.seen_right = std::min(width, t.right + kAround),
+        t.seen_left = std::max(0, t.left - kAround);
+        t.seen_top = std::max(0, t.top - kAround);
+        t.seen_right = std::min(width, t.right + kAround);
         t.seen_bottom = std::min(height, t.bottom + kAround);
         tiles.push_back(t);
       }
@@ -220,7 +234,7 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
     options.network_scale = network_scale_of(photo);  // one for all tiles
   const std::vector<Tile> tiles = tiles_of(photo.width, photo.height, photo.sections);
   // The first stage takes about as long as four tiles.
-  const double share = 4.0 / static_cast<double>(4 + tiles.size());
+  const double share = 4.0 / (4 + tiles.size());
   Finding found;
   std::optional<Ground> ground;
   Settled settled;
@@ -230,7 +244,8 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
     Finding some = look_at_some(photo, options, tiles, work.part(0, share));
     settled.method = some.result.method;
     if (!some.result.ground.clusters.centers.empty()) settled.ground = &ground.emplace(some.result.ground);
-    found.result.method = some.result.method, found.result.ground = std::move(some.result.ground);
+    found.result.method = some.result.method;
+    found.result.ground = std::move(some.result.ground);
     found.result.distinct_phases = some.result.distinct_phases;
     found.result.reliability = some.result.reliability;
   }
@@ -239,8 +254,8 @@ Finding find_in_tiles(const Image& photo, const SegmentOptions& given, const Wor
   TileJoiner picture(photo, found);
   for (std::size_t k = 0; k < tiles.size(); ++k) {
     const Tile& t = tiles[k];
-    const double from = share + (1 - share) * static_cast<double>(k) / static_cast<double>(tiles.size()),
-                 to = share + (1 - share) * static_cast<double>(k + 1) / static_cast<double>(tiles.size());
+    const double from = share + (1 - share) * static_cast<double>(k) / tiles.size(),
+                 to = share + (1 - share) * static_cast<double>(k + 1) / tiles.size();
     SegmentOptions part = options;
     const Image seen = crop(photo, options.ignored, t.section, t.seen_left, t.seen_top,
                             t.seen_right - t.seen_left, t.seen_bottom - t.seen_top, part.ignored);

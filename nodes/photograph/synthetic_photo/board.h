@@ -19,7 +19,8 @@ struct Board {
     return {x, y, half_length, half_width, std::cos(angle), std::sin(angle)};
   }
   bool inside(double px, double py, double& along, double& across) const {
-    along = cosine * (px - x) + sine * (py - y), across = cosine * (py - y) - sine * (px - x);
+    along = cosine * (px - x) + sine * (py - y);
+    across = cosine * (py - y) - sine * (px - x);
     return std::abs(along) < half_length && std::abs(across) < half_width;
   }
 };
@@ -51,7 +52,10 @@ void lay(Canvas& c, const Board& board, double thickness, Shade&& shade) {
       const std::optional<Vec3f> color = shade(along, across);
       if (!color) continue;
       const std::size_t i = c.at(x, y);
-      c.z[i] = std::max(c.z[i], ground), c.id[i] = 0, c.other[i] = 1, c.gloss[i] = 0.1f;
+      c.z[i] = std::max(c.z[i], ground);
+      c.id[i] = 0;
+      c.other[i] = 1;
+      c.gloss[i] = 0.1f;
       c.color[i] = *color;
     }
 }

@@ -36,7 +36,7 @@ void compress(Picture& p, int quality) {
         cv::Mat block = padded(cv::Rect(x, y, 8, 8)), f;
         cv::dct(block, f);
         for (int k = 0; k < 64; ++k) {
-          const auto q = static_cast<float>(std::max(1.0, scale * table[k] * (c > 0 ? 1.4 : 1)));
+          const float q = std::max(1.0, scale * table[k] * (c > 0 ? 1.4 : 1));
           float& v = f.at<float>(k / 8, k % 8);
           v = std::round(v / q) * q;
         }
@@ -57,7 +57,7 @@ void compress(Picture& p, int quality) {
 Picture expose(const Canvas& c, const std::vector<Vec3f>& radiance, bool gray, Random& r) {
   std::vector<float> bright;
   for (const auto& v : radiance) bright.push_back(v.sum() / 3);
-  const float high = at_rank(bright, static_cast<std::size_t>(static_cast<double>(bright.size()) * 0.9));
+  const float high = at_rank(bright, static_cast<std::size_t>(bright.size() * 0.9));
   const double gain = r.uniform(0.3, 0.95) / std::max(0.01f, high);
   Vec3f balance = Vec3f::Ones();
   const double cast = r.uniform(0, 0.12);
@@ -79,7 +79,8 @@ Picture expose(const Canvas& c, const std::vector<Vec3f>& radiance, bool gray, R
   if (const double sigma = r.uniform() < 0.25 ? r.uniform(0, 4) : r.uniform(0, 1.6); sigma > 0.3)
     cv::GaussianBlur(m, m, cv::Size(0, 0), sigma, sigma, cv::BORDER_REPLICATE);
   Picture p;
-  p.width = c.width / 2, p.height = c.height / 2;
+  p.width = c.width / 2;
+  p.height = c.height / 2;
   p.pixels.resize(static_cast<std::size_t>(p.width) * p.height);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
@@ -115,7 +116,7 @@ void develop(Picture& p, bool gray, Random& r) {
     other.copyTo(m);
   }
   if (!gray && r.uniform() < 0.25) {  // dull colors
-    const auto keep = static_cast<float>(r.uniform(0.4, 0.95));
+    const float keep = r.uniform(0.4, 0.95);
     for (auto& v : p.pixels) v = Vec3f::Constant(v.sum() / 3) * (1 - keep) + v * keep;
   }
   if (r.uniform() < 0.35) {
@@ -126,8 +127,7 @@ void develop(Picture& p, bool gray, Random& r) {
   const double contrast = r.uniform() < 0.3 ? r.uniform(0.4, 0.8) : r.uniform(0.75, 1.25),
                gamma = std::exp(0.2 * r.normal());
   for (auto& v : p.pixels)
-    for (int k = 0; k < 3; ++k)
-      v[k] = static_cast<float>(std::pow(std::clamp(0.5 + contrast * (v[k] - 0.5), 0.0, 1.0), gamma));
+    for (int k = 0; k < 3; ++k) v[k] = std::pow(std::clamp(0.5 + contrast * (v[k] - 0.5), 0.0, 1.0), gamma);
   if (r.uniform() < 0.6) compress(p, 30 + static_cast<int>(r.below(66)));
   for (auto& v : p.pixels)
     for (int k = 0; k < 3; ++k) v[k] = std::round(std::clamp(v[k], 0.0f, 1.0f) * 255) / 255;

@@ -22,7 +22,8 @@ class SkyLight {
   SkyLight(const Canvas& c, const Light& l) : c_(c), light_(l) {
     for (int k = 0; k < kDirections; ++k) {
       const double a = 6.283185 * (k + 0.5) / kDirections;
-      x_[k] = std::cos(a), y_[k] = std::sin(a);
+      x_[k] = std::cos(a);
+      y_[k] = std::sin(a);
       radiance_[k] = 1 + l.sky_slope * std::cos(a - l.sky_azimuth);
     }
     for (double d = 1.5; d < kFarthest; d *= 1.45) distances_.push_back(d);
@@ -78,13 +79,18 @@ Light random_light(Random& r, bool polished, bool face) {
   l.azimuth = above ? kUp + 0.6 * r.normal() : r.uniform(0, 6.2832);
   l.elevation = r.uniform(0.35, 1.4);
   const double direct = r.uniform() < 0.5 ? r.uniform(0, 0.25) : r.uniform(0.2, 0.9);  // overcast or sunny
-  l.sun = 1.3 * direct, l.sky = 1.15 * (1 - direct) + 0.08;
+  l.sun = 1.3 * direct;
+  l.sky = 1.15 * (1 - direct) + 0.08;
   l.sky_azimuth = above ? kUp + 0.3 * r.normal() : r.uniform(0, 6.2832);
   l.sky_slope = r.uniform() < 0.3 ? 0 : r.uniform(0.1, 1);
   l.relief = r.uniform(0.5, 1.5);
   l.bounce = r.uniform(0.1, 0.6);
   l.softness = r.uniform(0.5, 6);
-  if (polished) l.sun *= 0.3, l.sky = 1 - l.sun * 0.7, l.gloss = r.uniform() < 0.1 ? r.uniform(0, 0.3) : 0;
+  if (polished) {
+    l.sun *= 0.3;
+    l.sky = 1 - l.sun * 0.7;
+    l.gloss = r.uniform() < 0.1 ? r.uniform(0, 0.3) : 0;
+  }
   return l;
 }
 

@@ -8,8 +8,9 @@ namespace {
 void compute(Context& c) {
   PhotoOptions o;
   o.scene = c.choice<Scene>("scene");
-  o.pictures = static_cast<int>(c.integer("pictures"));
-  o.width = static_cast<int>(c.integer("width")), o.height = static_cast<int>(c.integer("height"));
+  o.pictures = c.integer("pictures");
+  o.width = c.integer("width");
+  o.height = c.integer("height");
   o.pixel_size = c.number("pixel_size");
   o.fill = c.optional_number("fill");
   o.objects = c.boolean("objects");

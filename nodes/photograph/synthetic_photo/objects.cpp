@@ -40,7 +40,8 @@ void chart(Canvas& c, Random& r) {
   const int columns = 2 + static_cast<int>(r.below(6)), rows = 1 + static_cast<int>(r.below(4));
   Board b{r.uniform(0, c.width), r.uniform(0, c.height), cell * columns / 2, cell * rows / 2, 1, 0};
   const double turn = 0.2 * r.normal();
-  b.cosine = std::cos(turn), b.sine = std::sin(turn);
+  b.cosine = std::cos(turn);
+  b.sine = std::sin(turn);
   std::vector<Vec3f> colors;
   for (int i = 0; i < columns * rows; ++i)
     colors.push_back(srgb_to_linear(Vec3f(static_cast<float>(r.uniform()), static_cast<float>(r.uniform()),
@@ -67,7 +68,10 @@ void caption(Canvas& c, Random& r) {
     for (int y = static_cast<int>(top); y < c.height; ++y)
       for (int x = 0; x < c.width; ++x) {
         const std::size_t i = c.at(x, y);
-        c.other[i] = 1, c.id[i] = 0, c.z[i] = 0, picture.pixels[i] = Vec3f::Constant(dark ? 0.01f : 0.95f);
+        c.other[i] = 1;
+        c.id[i] = 0;
+        c.z[i] = 0;
+        picture.pixels[i] = Vec3f::Constant(dark ? 0.01f : 0.95f);
       }
   Coverage mask(c.width, c.height);
   const std::string text = std::to_string(1 + r.below(900)) + (r.uniform() < 0.5 ? " mm" : " um");
@@ -82,7 +86,10 @@ void caption(Canvas& c, Random& r) {
         const std::size_t i = c.at(x, y);
         const bool in_text = x < left + written && y < top + 0.1 * height + 1.2 * size,
                    in_bar = x < left + length && y >= top + 0.75 * height;
-        if (in_text || in_bar) c.other[i] = 1, c.id[i] = 0;
+        if (in_text || in_bar) {
+          c.other[i] = 1;
+          c.id[i] = 0;
+        }
       }
   c.color = picture.pixels;
 }

@@ -90,7 +90,7 @@ PhotoPalette::PhotoPalette(Random& r, Surroundings where, bool gray) : gray_(gra
   near_ground_ = r.uniform() < 0.65 ? r.uniform(0, outdoors ? 0.8 : 0.9) : 0;
   if (!gray && r.uniform() < 0.3) {
     // Hue alone tells some stones from the ground.
-    const float level = static_cast<float>(r.uniform(0.5, 1)), ground = linear_to_oklab(ground_)[0];
+    const float level = r.uniform(0.5, 1), ground = linear_to_oklab(ground_)[0];
     for (Vec3f& kind : kinds_) {
       const Vec3f lab = linear_to_oklab(kind);
       kind = from_lab(lab[0] + level * (ground - lab[0]), 1.4 * lab[1], 1.4 * lab[2]);
@@ -116,7 +116,10 @@ void PhotoPalette::make_phases(Random& r) {
     const Vec3f own = linear_to_oklab(natural(r, 0.1));
     kinds_.push_back(from_lab(lab[0] + apart, own[1], own[2]));
   }
-  spread_ = r.uniform(0, 0.015), hue_ = 0.1, liveliness_ = r.uniform() * r.uniform(0, 0.3), near_ground_ = 0;
+  spread_ = r.uniform(0, 0.015);
+  hue_ = 0.1;
+  liveliness_ = r.uniform() * r.uniform(0, 0.3);
+  near_ground_ = 0;
 }
 
 void PhotoPalette::make_outcrop(Random& r) {
@@ -125,8 +128,11 @@ void PhotoPalette::make_outcrop(Random& r) {
     return from_lab(std::clamp(lightness, 0.2, 0.93), gray_ ? 0 : a, gray_ ? 0 : b);
   };
   ground_ = color(l, chroma * std::cos(hue), chroma * std::sin(hue));
-  hue_ = r.uniform(0.05, 0.3), chroma_ = 0.01, spread_ = r.uniform(0.02, 0.07);
-  liveliness_ = r.uniform(0.1, 0.6), near_ground_ = r.uniform(0, 0.4);
+  hue_ = r.uniform(0.05, 0.3);
+  chroma_ = 0.01;
+  spread_ = r.uniform(0.02, 0.07);
+  liveliness_ = r.uniform(0.1, 0.6);
+  near_ground_ = r.uniform(0, 0.4);
   const double apart = r.uniform(0.03, 0.1);
   for (int kinds = 3 + static_cast<int>(r.below(4)); kinds > 0; --kinds) {
     const double lightness = r.uniform() < 0.15 ? r.uniform(0.3, 0.9) : l + apart * r.normal();
@@ -170,13 +176,14 @@ Texture PhotoPalette::stone(Random& r, double radius) const {
   t.mottle = r.uniform() < 0.7 ? r.uniform(0, 0.7) * r.uniform(0.1, 1) : 0;
   t.mottle_scale = std::max(4.0, radius * r.uniform(0.2, 1.5));
   if (r.uniform() < 0.4) {
-    t.flecks = r.uniform(0.05, 0.4), t.fleck_scale = r.uniform(2, std::max(3.0, 0.12 * radius));
-    t.fleck_gain = static_cast<float>(r.uniform() < 0.5 ? r.uniform(0.5, 0.9) : r.uniform(1.1, 1.7));
+    t.flecks = r.uniform(0.05, 0.4);
+    t.fleck_scale = r.uniform(2, std::max(3.0, 0.12 * radius));
+    t.fleck_gain = r.uniform() < 0.5 ? r.uniform(0.5, 0.9) : r.uniform(1.1, 1.7);
   }
   if (r.uniform() < 0.12) {
     const double turn = r.uniform(0, 6.2832), tilt = r.uniform(-0.6, 0.6);
     t.vein = Vec3(std::cos(turn), std::sin(turn), tilt).normalized();
-    t.vein_offset = radius * r.uniform(-0.6, 0.6),
+    t.vein_offset = radius * r.uniform(-0.6, 0.6);
     t.vein_width = std::max(1.0, radius * r.uniform(0.01, 0.12));
     if (r.uniform() < 0.3) {  // a crack
       t.vein_width = std::max(1.0, radius * r.uniform(0.01, 0.03));
@@ -198,12 +205,16 @@ Texture PhotoPalette::ground(Random& r) const {
 
 Texture PhotoPalette::clay(Random& r) const {
   Texture t;
-  t.color = shifted(ground_, r, 0.08, hue_), t.second = shifted(ground_, r, 0.1, hue_);
+  t.color = shifted(ground_, r, 0.08, hue_);
+  t.second = shifted(ground_, r, 0.1, hue_);
   t.seed = r.bits();
   t.kind = r.uniform() < 0.5 ? Texture::Kind::Plain : Texture::Kind::Blotches;
-  t.scale = r.uniform(10, 120), t.strength = r.uniform(0, 0.8);
-  t.mottle = r.uniform(0, 0.4), t.mottle_scale = r.uniform(10, 100);
-  t.speckle = r.uniform(0, 0.15), t.speckle_scale = r.uniform(1.2, 5);
+  t.scale = r.uniform(10, 120);
+  t.strength = r.uniform(0, 0.8);
+  t.mottle = r.uniform(0, 0.4);
+  t.mottle_scale = r.uniform(10, 100);
+  t.speckle = r.uniform(0, 0.15);
+  t.speckle_scale = r.uniform(1.2, 5);
   return t;
 }
 

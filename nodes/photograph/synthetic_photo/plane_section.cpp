@@ -63,7 +63,8 @@ struct Family {
     lobed = r.uniform() < (grown ? 0.7 : 0.15) ? r.uniform(0.1, 0.8) : 0;
     elongation = r.uniform() < 0.2 ? r.uniform(2, 5) : r.uniform(1.05, 2.2);
     bumps = r.uniform(0, 0.18);
-    aligned = r.uniform() < 0.2, common_turn = r.uniform(0, 6.2832);
+    aligned = r.uniform() < 0.2;
+    common_turn = r.uniform(0, 6.2832);
     corners = 3 + static_cast<int>(r.below(6));
   }
   Outline draw(Random& r) const {
@@ -76,7 +77,8 @@ struct Family {
     if (r.uniform() < lobed) o.kind = Outline::Kind::Lobed;
     if (o.kind != Outline::Kind::Disc || r.uniform() < 0.3) o.axis = std::sqrt(r.uniform(1, elongation));
     const double turn = aligned ? common_turn + 0.15 * r.normal() : r.uniform(0, 6.2832);
-    o.cosine = std::cos(turn), o.sine = std::sin(turn);
+    o.cosine = std::cos(turn);
+    o.sine = std::sin(turn);
     o.power = r.uniform(3, 8);
     o.reach = 1.5 * o.axis;
     if (o.kind == Outline::Kind::Polygon) {
@@ -103,8 +105,10 @@ struct Family {
       o.reach *= 1.2 * o.axis;
     }
     if (o.kind == Outline::Kind::Bumpy) {
-      for (int k = 0; k < 7; ++k)
-        o.wave[k] = bumps * r.normal() / (1 + 0.5 * k), o.phase[k] = r.uniform(0, 6.2832);
+      for (int k = 0; k < 7; ++k) {
+        o.wave[k] = bumps * r.normal() / (1 + 0.5 * k);
+        o.phase[k] = r.uniform(0, 6.2832);
+      }
       o.reach = 1.8 * o.axis;
     }
     return o;
@@ -117,8 +121,9 @@ class Sizes {
   explicit Sizes(Random& r, double side) {
     smallest_ = r.uniform(5, 14);
     largest_ = std::min(0.45 * side, smallest_ * std::pow(r.uniform(1.3, 40), r.uniform(0.3, 1)));
-    law_ = static_cast<int>(r.below(4));
-    exponent_ = r.uniform(1, 3.5), spread_ = r.uniform(0.1, 0.7);
+    law_ = r.below(4);
+    exponent_ = r.uniform(1, 3.5);
+    spread_ = r.uniform(0.1, 0.7);
     cut_ = r.uniform() < 0.7;
   }
   double draw(Random& r) const {
@@ -139,7 +144,9 @@ class Sizes {
   // Particles much smaller than others, such as those that precipitated later.
   static Sizes fine(Random& r) {
     Sizes s(r, 100);
-    s.smallest_ = r.uniform(3, 6), s.largest_ = s.smallest_ * r.uniform(1.2, 2.5), s.law_ = 1;
+    s.smallest_ = r.uniform(3, 6);
+    s.largest_ = s.smallest_ * r.uniform(1.2, 2.5);
+    s.law_ = 1;
     return s;
   }
   double middle() const { return std::sqrt(smallest_ * largest_); }
@@ -190,16 +197,17 @@ void drop_shapes(Canvas& c, double fill, const Sizes& sizes, const Family& famil
         for (int x = std::max(0, static_cast<int>(px - reach));
              x <= std::min<double>(c.width - 1, px + reach); ++x) {
           double wx = x - px, wy = y - py;
-          if (warp > 0)
-            wx += warp * noise(seed, Vec3(x, y, 0) / warp_size),
-                wy += warp * noise(seed + 1, Vec3(x, y, 0) / warp_size);
+          if (warp > 0) {
+            wx += warp * noise(seed, Vec3(x, y, 0) / warp_size);
+            wy += warp * noise(seed + 1, Vec3(x, y, 0) / warp_size);
+          }
           if (!outline.inside(wx / radius, wy / radius)) continue;
           if (c.id[c.at(x, y)] != 0)
             ++taken;
           else
             pixels.push_back(c.at(x, y));
         }
-      if (pixels.empty() || static_cast<double>(taken) > 0.04 * static_cast<double>(pixels.size())) continue;
+      if (pixels.empty() || taken > 0.04 * pixels.size()) continue;
       ++c.particles;
       for (const auto i : pixels) c.id[i] = c.particles;
       break;
@@ -224,7 +232,7 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
     sum += 3.0 * radius * radius;
     seeds.push_back(s);
   }
-  const double mean_radius = std::sqrt(area / (3.14 * static_cast<double>(seeds.size())));
+  const double mean_radius = std::sqrt(area / (3.14 * seeds.size()));
   const double gap =
       fill > 0.93 && r.uniform() < 0.6 ? 0 : mean_radius * 2 * (1 - std::sqrt(std::min(0.98, fill)));
   const double warp = r.uniform() < 0.6 ? r.uniform(0, 5) : 0, warp_size = r.uniform(8, 50);
@@ -251,18 +259,24 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
       for (int y = by; y < std::min(c.height, by + kBlock); ++y)
         for (int x = bx; x < std::min(c.width, bx + kBlock); ++x) {
           double wx = x, wy = y;
-          if (warp > 0)
-            wx += warp * turbulence(seed, Vec3(x, y, 0) / warp_size, 2),
-                wy += warp * turbulence(seed + 3, Vec3(x, y, 0) / warp_size, 2);
+          if (warp > 0) {
+            wx += warp * turbulence(seed, Vec3(x, y, 0) / warp_size, 2);
+            wy += warp * turbulence(seed + 3, Vec3(x, y, 0) / warp_size, 2);
+          }
           double best = 1e30, next = 1e30;
           std::size_t first = 0, second = 0;
           for (std::size_t n = 0; n < near; ++n) {
             const std::size_t k = order[n];
             const double d = power(k, wx, wy);
-            if (d < best)
-              next = best, second = first, best = d, first = k;
-            else if (d < next)
-              next = d, second = k;
+            if (d < best) {
+              next = best;
+              second = first;
+              best = d;
+              first = k;
+            } else if (d < next) {
+              next = d;
+              second = k;
+            }
           }
           const double apart = std::hypot(seeds[first].x - seeds[second].x, seeds[first].y - seeds[second].y);
           const double to_border = (next - best) / (2 * std::max(1.0, apart));
@@ -271,7 +285,7 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
             c.id[c.at(x, y)] = static_cast<std::int32_t>(first) + 1;
         }
     }
-  c.particles = static_cast<int>(seeds.size());
+  c.particles = seeds.size();
 }
 
 // Light or dark lines that polishing left.
@@ -347,9 +361,9 @@ void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPal
   if (r.uniform() < (grown ? 0.4 : 0.1)) scratch(c, r);
   // Pores: dark pits that belong to no particle. Between fine dark particles nobody could tell them.
   if (r.uniform() < (grown ? 0.1 : 0.35))
-    for (int pores = static_cast<int>(r.below(60)); pores > 0; --pores) {
+    for (int pores = r.below(60); pores > 0; --pores) {
       const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), radius = r.uniform(1, 7);
-      const auto shade = static_cast<float>(r.uniform(0.05, 0.5));
+      const float shade = r.uniform(0.05, 0.5);
       for (int y = std::max(0, static_cast<int>(py - radius));
            y <= std::min<double>(c.height - 1, py + radius); ++y)
         for (int x = std::max(0, static_cast<int>(px - radius));

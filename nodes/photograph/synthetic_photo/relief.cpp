@@ -28,11 +28,12 @@ void draw(Canvas& c, const Stone& stone, const Placed& at, const Texture* textur
       const double h = stone.top(x - at.x, y - at.y);
       if (std::isnan(h)) continue;
       const std::size_t i = c.at(x, y);
-      const auto z = static_cast<float>(at.middle + h);
+      const float z = at.middle + h;
       if (z <= c.z[i]) continue;
       c.z[i] = z;
       if (texture == nullptr) continue;
-      c.id[i] = id, c.gloss[i] = gloss;
+      c.id[i] = id;
+      c.gloss[i] = gloss;
       Vec3f color = (*texture)(Vec3(x - at.x, y - at.y, 0.7 * h));
       if (mud > 0) {
         const double cover =
@@ -77,14 +78,17 @@ void cover_feet(Canvas& c, const std::vector<float>& soil, const std::vector<Vec
     for (int x = 0; x < c.width; ++x) {
       const std::size_t i = c.at(x, y);
       const double more = std::clamp(bias + 1.5 * turbulence(seed, Vec3(x, y, 0) / size, 4), 0.0, 1.0);
-      const auto level = static_cast<float>(soil[i] + thick * more);
+      const float level = soil[i] + thick * more;
       const float over = level - c.z[i];
       if (more <= 0 || over <= 0) continue;
       c.z[i] = level;
       if (c.id[i] == 0) continue;
       // A film shows what is below.
       c.color[i] += std::min(1.0f, static_cast<float>(over / edge)) * (soil_color[i] - c.color[i]);
-      if (over > 0.5 * edge) c.id[i] = 0, c.gloss[i] = 0;
+      if (over > 0.5 * edge) {
+        c.id[i] = 0;
+        c.gloss[i] = 0;
+      }
     }
 }
 
@@ -130,7 +134,8 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
       sum += 0.01 * area;
       continue;
     }
-    radii.push_back(radius), sum += 3.14 * radius * radius;
+    radii.push_back(radius);
+    sum += 3.14 * radius * radius;
   }
   // In a bank the large stones come first and small ones fill the gaps; in a heap any order occurs.
   std::sort(radii.begin(), radii.end(), std::greater<>());
@@ -165,8 +170,8 @@ void make_relief(Canvas& c, const ReliefOptions& options, const PhotoPalette& pa
     at.middle = under.ground + stone.height() * (options.heap ? 0.3 - buried : 0.5 - 1.3 * buried);
     const double mud = r.uniform() < muddy ? r.uniform(0.1, 0.9) : 0;
     const Texture texture = palette.stone(r, radius);
-    draw(c, stone, at, &texture, static_cast<float>(wet * r.uniform(0.5, 1)), ++c.particles, mud,
-         palette.ground_color(), r.bits());
+    draw(c, stone, at, &texture, wet * r.uniform(0.5, 1), ++c.particles, mud, palette.ground_color(),
+         r.bits());
   }
   if (covered) cover_feet(c, soil, soil_color, smallest, r);
   if (r.uniform() < (options.heap ? 0.1 : 0.15)) spread_clay(c, palette, r, work);

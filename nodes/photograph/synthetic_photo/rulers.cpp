@@ -16,7 +16,7 @@ Vec3f ink_on(const Vec3f& paper) {
 bool writing(double along, double across, double cell, std::uint64_t seed) {
   const auto at = static_cast<std::int64_t>(std::floor(along / cell)) * 31 +
                   static_cast<std::int64_t>(std::floor(across / cell)) * 7;
-  return mix64(static_cast<std::uint64_t>(at) + seed) % 5 < 2;
+  return mix64(at + seed) % 5 < 2;
 }
 
 // Millimeters on one side of a strip, or on both, with numbers between them. `w`: from −1 to 1 across.
@@ -28,7 +28,7 @@ struct Scale {
   bool marked(double along, double w) const {
     const auto tick = static_cast<std::int64_t>(std::floor(along / step + 0.5));
     const double length = tick % 10 == 0 ? 0.8 : tick % 5 == 0 ? 0.6 : 0.4;
-    const bool on_tick = std::abs(along - static_cast<double>(tick) * step) < line / 2;
+    const bool on_tick = std::abs(along - tick * step) < line / 2;
     if (on_tick && (w < -1 + length || (both && w > 1 - length))) return true;
     const double numbers = 10 * step, d = along - numbers * std::floor(along / numbers + 0.5);
     return std::abs(w - (both ? 0 : 0.4)) < 0.25 && d > 2 && d < 0.7 * half_width + 2 &&
@@ -59,16 +59,15 @@ Vec3f paint_color(Random& r) {
 }
 
 double angle_of_thing(Random& r) {
-  return r.uniform() < 0.5 ? 1.5708 * static_cast<double>(r.below(4)) + 0.05 * r.normal()
-                           : r.uniform(0, 6.2832);
+  return r.uniform() < 0.5 ? 1.5708 * r.below(4) + 0.05 * r.normal() : r.uniform(0, 6.2832);
 }
 
 void add_ruler(Canvas& c, Random& r) {
   Board b{
       r.uniform(0, c.width), r.uniform(0, c.height), r.uniform(0.3, 1.2) * c.width, r.uniform(10, 40), 1, 0};
-  const double turn =
-      r.uniform() < 0.5 ? 1.5708 * static_cast<double>(r.below(4)) + 0.05 * r.normal() : r.uniform(0, 6.2832);
-  b.cosine = std::cos(turn), b.sine = std::sin(turn);
+  const double turn = r.uniform() < 0.5 ? 1.5708 * r.below(4) + 0.05 * r.normal() : r.uniform(0, 6.2832);
+  b.cosine = std::cos(turn);
+  b.sine = std::sin(turn);
   const Vec3f back = paint_color(r);
   const Vec3f mark = back.sum() > 0.6f ? Vec3f::Constant(0.02f) : Vec3f::Constant(0.85f);
   const bool blocks = r.uniform() < 0.35;
@@ -107,7 +106,8 @@ void add_folding_ruler(Canvas& c, Random& r) {
     lay(c, limb, height + 2 * k, [&](double along, double across) -> std::optional<Vec3f> {
       return scale.marked(along, across / half_width) ? ink : paper;
     });
-    x += 2 * half_length * std::cos(angle), y += 2 * half_length * std::sin(angle);
+    x += 2 * half_length * std::cos(angle);
+    y += 2 * half_length * std::sin(angle);
     const double radius = r.uniform(0.5, 0.9) * half_width;
     const Board hinge = Board::turned(x, y, radius, radius, 0);
     lay(c, hinge, height + 2 * k + 2, [&](double along, double across) -> std::optional<Vec3f> {

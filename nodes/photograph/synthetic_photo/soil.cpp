@@ -83,7 +83,7 @@ class Sand {
         cover_(r.uniform() < 0.4 ? r.uniform(0.2, 0.9) : 1) {
     for (Vec3f& color : tints_) color = palette.particle(r, size_).color;
     tinted_ = r.uniform() < 0.5 ? r.uniform(0, 0.7) : 0;
-    strength_ = static_cast<float>(r.uniform(0.1, 0.9));
+    strength_ = r.uniform(0.1, 0.9);
   }
   // Raises the surface and changes its color; `share` of the effect.
   void add(const Vec3& p, float share, float& z, Vec3f& color) const {
@@ -151,7 +151,7 @@ void dig(Canvas& c, Random& r) {
 // Fine gravel without labels: without it a network marks every grain of sand.
 void scatter_gravel(Canvas& c, const Field& smooth, const PhotoPalette& palette, Random& r,
                     const Work& work) {
-  for (int layers = static_cast<int>(r.below(4)); layers > 0; --layers) {
+  for (int layers = r.below(4); layers > 0; --layers) {
     const double largest = r.uniform(2, 7), cover = r.uniform(0.02, 0.6), area = c.width * c.height;
     const double contrast = r.uniform(0.1, 1);
     for (double covered = 0; covered < cover * area;) {
@@ -171,7 +171,10 @@ void scatter_gravel(Canvas& c, const Field& smooth, const PhotoPalette& palette,
           if (d2 >= 1) continue;
           const float z = base + static_cast<float>(radius * flat * std::sqrt(1 - d2));
           const std::size_t i = c.at(x, y);
-          if (z > c.z[i] && c.id[i] == 0) c.z[i] = z, c.color[i] = color;
+          if (z > c.z[i] && c.id[i] == 0) {
+            c.z[i] = z;
+            c.color[i] = color;
+          }
         }
     }
   }
@@ -239,14 +242,15 @@ void spread_clay(Canvas& c, const PhotoPalette& palette, Random& r, const Work& 
   std::vector<float> above(level.size());
   for (std::size_t i = 0; i < above.size(); ++i) above[i] = level[i] - c.z[i];
   std::vector<float> sorted = above;
-  const float drop =
-      at_rank(sorted, static_cast<std::size_t>(static_cast<double>(sorted.size()) * r.uniform(0.5, 0.97)));
+  const float drop = at_rank(sorted, static_cast<std::size_t>(sorted.size() * r.uniform(0.5, 0.97)));
   for (int y = 0; y < c.height; ++y)
     for (int x = 0; x < c.width; ++x) {
       const std::size_t i = c.at(x, y);
       const float over = above[i] - drop;
       if (over <= 0) continue;
-      c.z[i] = level[i] - drop, c.id[i] = 0, c.gloss[i] = 0;
+      c.z[i] = level[i] - drop;
+      c.id[i] = 0;
+      c.gloss[i] = 0;
       // A film shows what is below.
       const float t = std::min(1.0f, over / 1.5f);
       c.color[i] += t * (texture(Vec3(x, y, 0)) - c.color[i]);

@@ -12,15 +12,19 @@ StoneFamily::StoneFamily(Random& r) {
   angular = r.uniform() < 0.6 ? 0.15 * r.uniform() : r.uniform();
   bumps = r.uniform() < 0.65 ? r.uniform(0, 0.04) : r.uniform(0.03, 0.12);
   elongation = r.uniform(1.1, 2.6);
-  flat_low = r.uniform(0.25, 0.6), flat_high = r.uniform(0.6, 1);
-  aligned = r.uniform() < 0.3, turn = r.uniform(0, 3.1416);
+  flat_low = r.uniform(0.25, 0.6);
+  flat_high = r.uniform(0.6, 1);
+  aligned = r.uniform() < 0.3;
+  turn = r.uniform(0, 3.1416);
 }
 
 Stone::Stone(Random& r, const StoneFamily& family, double radius) : radius_(radius) {
   const double ratio = std::sqrt(r.uniform(1, family.elongation)),
                turn = family.aligned ? family.turn + 0.25 * r.normal() : r.uniform(0, 6.2832);
-  axis_a_ = radius * ratio, axis_b_ = radius / ratio;
-  cosine_ = std::cos(turn), sine_ = std::sin(turn);
+  axis_a_ = radius * ratio;
+  axis_b_ = radius / ratio;
+  cosine_ = std::cos(turn);
+  sine_ = std::sin(turn);
   height_ = axis_b_ * r.uniform(family.flat_low, family.flat_high);
   seed_ = r.bits();
   roughness_ = r.uniform() < 0.6 ? r.uniform(0, 0.05) * radius : 0;
@@ -35,9 +39,10 @@ Stone::Stone(Random& r, const StoneFamily& family, double radius) : radius_(radi
       distances_.push_back(r.uniform(0.7, 1.0));
     }
   } else {
-    power_ = r.uniform(1.8, 3.2), dome_ = r.uniform(1.7, 3.2);
+    power_ = r.uniform(1.8, 3.2);
+    dome_ = r.uniform(1.7, 3.2);
     for (std::size_t k = 0; k < wave_.size(); ++k) {
-      wave_[k] = family.bumps * r.normal() / (1 + 0.6 * static_cast<double>(k));
+      wave_[k] = family.bumps * r.normal() / (1 + 0.6 * k);
       phase_[k] = r.uniform(0, 6.2832);
     }
   }
@@ -67,8 +72,7 @@ double Stone::top(double dx, double dy) const {
   } else {
     const double angle = std::atan2(v, u);
     double edge = 1;
-    for (std::size_t k = 0; k < wave_.size(); ++k)
-      edge += wave_[k] * std::cos(static_cast<double>(k + 2) * angle + phase_[k]);
+    for (std::size_t k = 0; k < wave_.size(); ++k) edge += wave_[k] * std::cos((k + 2) * angle + phase_[k]);
     const double rho = std::pow(std::pow(std::abs(u), power_) + std::pow(std::abs(v), power_), 1 / power_) /
                        std::max(0.4, edge);
     if (rho >= 1) return none;

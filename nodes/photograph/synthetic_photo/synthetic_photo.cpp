@@ -50,7 +50,8 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   One one;
   one.picture = expose(canvas, light, gray, r);
   Visible visible = visible_particles(canvas, one.picture, flat ? 14 : 40, flat ? 0.025 : 0.045);
-  one.labels = std::move(visible.labels), one.unclear = std::move(visible.unclear);
+  one.labels = std::move(visible.labels);
+  one.unclear = std::move(visible.unclear);
   one.other.resize(one.labels.size());
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x)
@@ -69,7 +70,9 @@ Photo take_photo(const PhotoOptions& options, const Work& work) {
   Photo photo;
   photo.image = Image(options.width, options.height, options.pictures, options.pixel_size);
   for (Labels* labels : {&photo.labels, &photo.not_material, &photo.unclear}) {
-    labels->width = options.width, labels->height = options.height, labels->sections = options.pictures;
+    labels->width = options.width;
+    labels->height = options.height;
+    labels->sections = options.pictures;
     labels->pixel_size = options.pixel_size;
   }
   photo.image.pixels.clear();

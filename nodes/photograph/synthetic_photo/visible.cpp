@@ -18,7 +18,10 @@ std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
       std::int32_t best = v[0];
       long most = 0;
       for (const auto id : v)
-        if (const long count = std::count(v.begin(), v.end(), id); count > most) most = count, best = id;
+        if (const long count = std::count(v.begin(), v.end(), id); count > most) {
+          most = count;
+          best = id;
+        }
       out[static_cast<std::size_t>(y) * width + x] = best;
     }
   return out;
@@ -53,8 +56,7 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
   for (std::size_t i = 0; i < label.size(); ++i)
     if (const auto hole = holes.ids[i]; hole > 0 && around[hole] > 0) {
       const auto size = holes.sizes[hole - 1];
-      if (size <= kLargest || static_cast<double>(size) <= kShare * static_cast<double>(areas[around[hole]]))
-        label[i] = around[hole];
+      if (size <= kLargest || size <= kShare * areas[around[hole]]) label[i] = around[hole];
     }
 }
 
@@ -75,16 +77,19 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
   for (std::size_t i = 0; i < id.size(); ++i) {
     if (id[i] == 0 || piece[i] != 0) continue;
     pieces.push_back({id[i]});
-    piece[i] = static_cast<std::int32_t>(pieces.size());
+    piece[i] = pieces.size();
     stack.push_back(i);
     while (!stack.empty()) {
       const std::size_t p = stack.back();
       stack.pop_back();
       ++pieces.back().area;
-      const int x = static_cast<int>(p % w), y = static_cast<int>(p / w);
+      const int x = p % w, y = p / w;
       const auto visit = [&](int nx, int ny) {
         const std::size_t q = static_cast<std::size_t>(ny) * w + nx;
-        if (id[q] == id[p] && piece[q] == 0) piece[q] = piece[p], stack.push_back(q);
+        if (id[q] == id[p] && piece[q] == 0) {
+          piece[q] = piece[p];
+          stack.push_back(q);
+        }
       };
       if (x > 0) visit(x - 1, y);
       if (x + 1 < w) visit(x + 1, y);
@@ -104,7 +109,10 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
                          .cwiseAbs()
                          .maxCoeff();
     for (const auto k : {piece[p], piece[q]})
-      if (k > 0) pieces[k - 1].difference += d, ++pieces[k - 1].border;
+      if (k > 0) {
+        pieces[k - 1].difference += d;
+        ++pieces[k - 1].border;
+      }
   };
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
@@ -114,7 +122,7 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
   std::vector<std::int32_t> largest(c.particles + 1, 0);
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (std::int32_t& best = largest[pieces[k].id]; best == 0 || pieces[k].area > pieces[best - 1].area)
-      best = static_cast<std::int32_t>(k + 1);
+      best = k + 1;
   std::vector<std::int32_t> number(pieces.size() + 1, 0);
   std::int32_t count = 0;
   for (const auto k : largest) {

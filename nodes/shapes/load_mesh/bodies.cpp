@@ -42,11 +42,12 @@ class AngleAround {
     axis_ = mesh.vertices[edge.high] - from_;
     const double length = axis_.norm();
     if (length > 0) axis_ /= length;
-    x_ = axis_.unitOrthogonal(), y_ = axis_.cross(x_);
+    x_ = axis_.unitOrthogonal();
+    y_ = axis_.cross(x_);
   }
   double operator()(const Side& side) const {
     Vec3 apex = from_;
-    for (const std::int32_t v : mesh_.triangles[static_cast<std::size_t>(side.triangle)])
+    for (const std::int32_t v : mesh_.triangles[side.triangle])
       if (v != side.low && v != side.high) apex = mesh_.vertices[v];
     const Vec3 d = apex - from_;
     return std::atan2(d.dot(y_), d.dot(x_));
@@ -73,7 +74,10 @@ void join_bodies_at_edge(const Mesh& mesh, const Side* begin, const Side* end, D
       if (!side->forward) continue;
       double turn = angle(*side) - angle(*back);
       while (turn < kCoincident) turn += 2 * std::numbers::pi;
-      if (!next || turn < least) next = side, least = turn;
+      if (!next || turn < least) {
+        next = side;
+        least = turn;
+      }
     }
     if (next) pairs.emplace_back(back, next), taken.push_back(next);
   }
@@ -87,7 +91,7 @@ void join_bodies_at_edge(const Mesh& mesh, const Side* begin, const Side* end, D
 }
 
 void append(Mesh& to, const Mesh& from) {
-  const auto first = static_cast<std::int32_t>(to.vertices.size());
+  const std::int32_t first = to.vertices.size();
   to.vertices.insert(to.vertices.end(), from.vertices.begin(), from.vertices.end());
   for (const Triangle& t : from.triangles) to.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
@@ -138,12 +142,12 @@ std::vector<Mesh> connected_surfaces(const Mesh& mesh) {
   std::vector<std::vector<std::size_t>> triangles;  // of each surface
   std::vector<int> number(mesh.triangles.size(), -1);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    int& surface = number[static_cast<std::size_t>(sets.find(static_cast<std::int32_t>(t)))];
+    int& surface = number[sets.find(static_cast<std::int32_t>(t))];
     if (surface < 0) {
-      surface = static_cast<int>(triangles.size());
+      surface = triangles.size();
       triangles.emplace_back();
     }
-    triangles[static_cast<std::size_t>(surface)].push_back(t);
+    triangles[surface].push_back(t);
   }
   std::vector<Mesh> out(triangles.size());
   std::vector<std::size_t> user(mesh.vertices.size(), triangles.size());  // the last surface with this vertex
@@ -152,10 +156,10 @@ std::vector<Mesh> connected_surfaces(const Mesh& mesh) {
     for (const std::size_t t : triangles[s]) {
       Triangle renamed = mesh.triangles[t];
       for (auto& v : renamed) {
-        const auto old = static_cast<std::size_t>(v);
+        const std::size_t old = v;
         if (user[old] != s) {
           user[old] = s;
-          name[old] = static_cast<std::int32_t>(out[s].vertices.size());
+          name[old] = out[s].vertices.size();
           out[s].vertices.push_back(mesh.vertices[old]);
         }
         v = name[old];

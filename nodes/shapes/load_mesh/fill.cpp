@@ -6,7 +6,7 @@ namespace terrazzo::load_mesh {
 
 std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
                                                const std::function<bool(int, int)>& forbidden) {
-  const int n = static_cast<int>(polygon.size());
+  const int n = polygon.size();
   std::vector<Triangle> out;
   if (n < 3 || polygon.size() > kLargestPolygon) return out;
   if (n == 3) return {{0, 1, 2}};
@@ -22,7 +22,10 @@ std::vector<Triangle> least_area_triangulation(const std::vector<Vec3>& polygon,
         for (int j = i + 1; j < k; ++j) {
           const double area = (polygon[j] - polygon[i]).cross(polygon[k] - polygon[i]).norm() / 2;
           const double total = cost[i * n + j] + cost[j * n + k] + area;
-          if (total < best) best = total, at = j;
+          if (total < best) {
+            best = total;
+            at = j;
+          }
         }
       cost[i * n + k] = best;
       apex[i * n + k] = at;

@@ -81,7 +81,7 @@ tinygltf::Model parsed(std::string_view bytes, bool binary) {
                         nullptr);
   tinygltf::Model model;
   std::string error, warning;
-  const auto size = static_cast<unsigned int>(bytes.size());
+  const unsigned int size = bytes.size();
   const bool read =
       binary ? reader.LoadBinaryFromMemory(&model, &error, &warning,
                                            reinterpret_cast<const unsigned char*>(bytes.data()), size)
@@ -107,23 +107,25 @@ class AccessorReader {
       : components_(components) {
     if (index < 0 || static_cast<std::size_t>(index) >= model.accessors.size())
       bad(fmt::format("{} is accessor {} of {}", what, index, model.accessors.size()));
-    const tinygltf::Accessor& a = model.accessors[static_cast<std::size_t>(index)];
+    const tinygltf::Accessor& a = model.accessors[index];
     if (a.sparse.isSparse) unsupported(what + " is a sparse accessor", "export it without sparse accessors");
     const int given = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(a.type));
     if (given != components)
       bad(fmt::format("{} has {} numbers per element instead of {}", what, given, components));
-    type_ = a.componentType, normalized_ = a.normalized, count_ = a.count;
+    type_ = a.componentType;
+    normalized_ = a.normalized;
+    count_ = a.count;
     const int size = tinygltf::GetComponentSizeInBytes(static_cast<std::uint32_t>(type_));
     if (size <= 0 || type_ == TINYGLTF_COMPONENT_TYPE_DOUBLE || type_ == TINYGLTF_COMPONENT_TYPE_INT)
       bad(fmt::format("{} has the component type {}", what, type_));
-    size_ = static_cast<std::size_t>(size);
+    size_ = size;
     if (a.bufferView < 0 || static_cast<std::size_t>(a.bufferView) >= model.bufferViews.size())
       bad(fmt::format("{} is in buffer view {} of {}", what, a.bufferView, model.bufferViews.size()));
-    const tinygltf::BufferView& v = model.bufferViews[static_cast<std::size_t>(a.bufferView)];
+    const tinygltf::BufferView& v = model.bufferViews[a.bufferView];
     if (v.buffer < 0 || static_cast<std::size_t>(v.buffer) >= model.buffers.size())
       bad(fmt::format("{} is in buffer {} of {}", what, v.buffer, model.buffers.size()));
-    const auto& bytes = model.buffers[static_cast<std::size_t>(v.buffer)].data;
-    const std::size_t element = size_ * static_cast<std::size_t>(components);
+    const auto& bytes = model.buffers[v.buffer].data;
+    const std::size_t element = size_ * components;
     stride_ = v.byteStride > 0 ? v.byteStride : element;
     // Each difference is taken only after the comparison that makes it positive.
     if (v.byteOffset > bytes.size() || v.byteLength > bytes.size() - v.byteOffset ||
@@ -136,7 +138,7 @@ class AccessorReader {
   std::size_t count() const { return count_; }
   bool is_float() const { return type_ == TINYGLTF_COMPONENT_TYPE_FLOAT; }
   double number(std::size_t element, int component) const {
-    const unsigned char* p = at_ + element * stride_ + static_cast<std::size_t>(component) * size_;
+    const unsigned char* p = at_ + element * stride_ + component * size_;
     switch (type_) {
       case TINYGLTF_COMPONENT_TYPE_BYTE:
         return scaled(std::max(-127.0, double(as<std::int8_t>(p))), 127);
@@ -189,8 +191,7 @@ Eigen::Affine3d local_of(const tinygltf::Node& node, std::size_t number) {
   if (given(node.matrix, 16, "matrix")) {
     Eigen::Affine3d out = Eigen::Affine3d::Identity();
     for (int column = 0; column < 4; ++column)
-      for (int row = 0; row < 3; ++row)
-        out.matrix()(row, column) = node.matrix[static_cast<std::size_t>(4 * column + row)];
+      for (int row = 0; row < 3; ++row) out.matrix()(row, column) = node.matrix[4 * column + row];
     return out;
   }
   Vec3 translation = Vec3::Zero(), scale = Vec3::Ones();
@@ -312,7 +313,7 @@ class SceneReader {
  private:
   std::vector<int> roots() const {
     if (!model_.scenes.empty()) {
-      const auto scene = static_cast<std::size_t>(std::max(0, model_.defaultScene));
+      const std::size_t scene = std::max(0, model_.defaultScene);
       if (scene >= model_.scenes.size())
         bad(fmt::format("its scene is number {} of {}", scene, model_.scenes.size()));
       return model_.scenes[scene].nodes;
@@ -328,13 +329,13 @@ class SceneReader {
   std::size_t node_number(int node) const {
     if (node < 0 || static_cast<std::size_t>(node) >= model_.nodes.size())
       bad(fmt::format("it refers to node {} of {}", node, model_.nodes.size()));
-    return static_cast<std::size_t>(node);
+    return node;
   }
 
   void add_mesh(int mesh, const Eigen::Affine3d& place) {
     if (static_cast<std::size_t>(mesh) >= model_.meshes.size())
       bad(fmt::format("it refers to mesh {} of {}", mesh, model_.meshes.size()));
-    const auto& primitives = model_.meshes[static_cast<std::size_t>(mesh)].primitives;
+    const auto& primitives = model_.meshes[mesh].primitives;
     for (std::size_t p = 0; p < primitives.size(); ++p) {
       const tinygltf::Primitive& primitive = primitives[p];
       if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)

@@ -23,7 +23,7 @@ void require_corners(std::size_t f, std::size_t corners) {
 std::string lowercase(std::string_view text) {
   std::string out(text);
   for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c >= 'A' && c <= 'Z') c = c - 'A' + 'a';
   return out;
 }
 

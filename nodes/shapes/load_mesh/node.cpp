@@ -119,7 +119,8 @@ void warn_of_bodies(Context& c, const std::string& file, const std::vector<Mesh>
   double least = 1e300, most = 0;
   for (const Mesh& b : bodies) {
     const double volume = mesh_volume(b) * scale * scale * scale;
-    least = std::min(least, volume), most = std::max(most, volume);
+    least = std::min(least, volume);
+    most = std::max(most, volume);
   }
   c.warn(fmt::format("{} contains {} bodies of {:.4g} to {:.4g} mm³; each becomes a shape", file,
                      bodies.size(), least, most));
@@ -139,7 +140,7 @@ void compute(Context& c) {
     try {
       found = bodies_from(c, files[i], work);
       if (c.keyword("max_triangles").empty())
-        for (Mesh& m : found) reduce_triangles(m, static_cast<std::size_t>(c.integer("max_triangles")), work);
+        for (Mesh& m : found) reduce_triangles(m, c.integer("max_triangles"), work);
     } catch (Error& e) {
       throw e.parameter("path");
     }
@@ -152,7 +153,7 @@ void compute(Context& c) {
   Shapes shapes;
   double triangles = 0, volume = 0;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const double n = static_cast<double>(bodies.size());
+    const double n = bodies.size();
     for (auto& v : bodies[i].mesh.vertices) v *= scale;
     Shape shape = measure_shape(bodies[i].name, std::move(bodies[i].mesh), 1 / n,
                                 c.work().part(0.5 + 0.5 * i / n, 0.5 + 0.5 * (i + 1) / n));

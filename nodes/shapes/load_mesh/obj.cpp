@@ -21,7 +21,7 @@ int corner(std::string_view word, std::size_t vertices, int line) {
   if (at < 0 || at > std::numeric_limits<int>::max())
     throw Error("bad-mesh", fmt::format("line {}: the face refers to vertex {} of {}", line, n, vertices),
                 "the file is damaged: export it again");
-  return static_cast<int>(at);
+  return at;
 }
 
 }  // namespace

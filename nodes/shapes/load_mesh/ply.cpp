@@ -115,9 +115,9 @@ class Numbers {
       case Type::U32:
         return take<std::uint32_t>();
       case Type::I64:
-        return static_cast<double>(take<std::int64_t>());
+        return take<std::int64_t>();
       case Type::U64:
-        return static_cast<double>(take<std::uint64_t>());
+        return take<std::uint64_t>();
       case Type::F32:
         return take<float>();
       case Type::F64:

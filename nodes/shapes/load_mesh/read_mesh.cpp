@@ -53,12 +53,12 @@ PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading)
     if (e.diagnostic().code == "too-large") throw;
     throw Error("unreadable-mesh", name + ": cannot be opened", "check the file's permissions");
   }
-  require_memory(kBytesPerByte * static_cast<double>(content.size()), reading.memory, "the mesh of " + name);
+  require_memory(kBytesPerByte * content.size(), reading.memory, "the mesh of " + name);
   const PolygonSoup soup = read_named(path, format, content, reading);
   if (soup.polygons.empty())
     throw Error("unreadable-mesh", name + ": contains no faces",
                 "check that the file is complete and that its extension matches its format");
-  const int n = static_cast<int>(soup.vertices.size());
+  const int n = soup.vertices.size();
   for (std::size_t f = 0; f < soup.polygons.size(); ++f)
     for (const int v : soup.polygons[f])
       if (v < 0 || v >= n)

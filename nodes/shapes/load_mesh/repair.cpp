@@ -52,7 +52,7 @@ std::size_t drop_unused_vertices(Mesh& mesh) {
   for (auto& t : mesh.triangles)
     for (auto& v : t) {
       if (name[v] < 0) {
-        name[v] = static_cast<int>(kept.size());
+        name[v] = kept.size();
         kept.push_back(mesh.vertices[v]);
       }
       v = name[v];
@@ -177,7 +177,7 @@ Mesh triangles_of(const PolygonSoup& soup, const Work& work) {
 }
 
 std::size_t weld(Mesh& mesh, double distance) {
-  const int n = static_cast<int>(mesh.vertices.size());
+  const int n = mesh.vertices.size();
   std::vector<int> name(n);
   if (distance <= 0) {
     std::map<std::array<double, 3>, int> at;
@@ -225,7 +225,10 @@ std::vector<std::string> repair(Mesh& mesh, const Work& work) {
   };
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   if (!mesh.vertices.empty()) low = high = mesh.vertices[0];
-  for (const auto& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const auto& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
   const auto triangles = mesh.triangles.size();
   tell(weld(mesh, 1e-6 * (high - low).norm()), "joined {} vertex with its duplicate",
        "joined {} vertices with their duplicates");

@@ -9,8 +9,8 @@ namespace {
 void compute(Context& c) {
   Shapes shapes = read_shapes(json_text_in(c), c.files("path")[0].string(), c.work());
   double triangles = 0;
-  for (const Shape& s : shapes.shapes) triangles += static_cast<double>(s.mesh.triangles.size());
-  c.metric("shapes", static_cast<double>(shapes.shapes.size()));
+  for (const Shape& s : shapes.shapes) triangles += s.mesh.triangles.size();
+  c.metric("shapes", shapes.shapes.size());
   c.metric("triangles", triangles);
   c.output("shapes", std::move(shapes));
 }

@@ -11,7 +11,7 @@ void compute(Context& c) {
   const std::vector<double> shares =
       c.keyword("shares").empty() ? c.numbers("shares") : std::vector<double>(sets.size(), 1.0);
   Shapes all = mix(sets, shares);
-  c.metric("shapes", static_cast<double>(all.shapes.size()));
+  c.metric("shapes", all.shapes.size());
   c.output("shapes", std::move(all));
 }
 

@@ -23,7 +23,9 @@ std::array<double, 3> rising(const Vec3& v) {
 double carlson_rf(double x, double y, double z) {
   for (int i = 0; i < 60; ++i) {
     const double l = std::sqrt(x * y) + std::sqrt(y * z) + std::sqrt(z * x);
-    x = (x + l) / 4, y = (y + l) / 4, z = (z + l) / 4;
+    x = (x + l) / 4;
+    y = (y + l) / 4;
+    z = (z + l) / 4;
     const double m = (x + y + z) / 3;
     if (std::max({std::abs(x - m), std::abs(y - m), std::abs(z - m)}) < 1e-4 * m) break;
   }
@@ -38,7 +40,9 @@ double carlson_rd(double x, double y, double z) {
     const double l = std::sqrt(x * y) + std::sqrt(y * z) + std::sqrt(z * x);
     sum += factor / (std::sqrt(z) * (z + l));
     factor /= 4;
-    x = (x + l) / 4, y = (y + l) / 4, z = (z + l) / 4;
+    x = (x + l) / 4;
+    y = (y + l) / 4;
+    z = (z + l) / 4;
     const double m = (x + y + 3 * z) / 5;
     if (std::max({std::abs(x - m), std::abs(y - m), std::abs(z - m)}) < 1e-4 * m) break;
   }
@@ -56,7 +60,9 @@ double carlson_rd(double x, double y, double z) {
 double carlson_rg(double x, double y, double z) {
   std::array<double, 3> v{x, y, z};
   std::sort(v.begin(), v.end());
-  x = v[0], y = v[1], z = v[2];
+  x = v[0];
+  y = v[1];
+  z = v[2];
   // 2 R_G = z R_F − (x − z)(y − z) R_D / 3 + √(xy/z), which is stable if z is the largest.
   return (z * carlson_rf(x, y, z) - (x - z) * (y - z) * carlson_rd(x, y, z) / 3 + std::sqrt(x * y / z)) / 2;
 }

@@ -38,7 +38,7 @@ Vec3 axes_of(const NodeParameters& c) {
 
 Solid solid(const Context& c, SolidKind kind) {
   const Vec3 axes = axes_of(c);
-  const int detail = static_cast<int>(c.integer("detail"));
+  const int detail = c.integer("detail");
   const bool equal = axes.minCoeff() == axes.maxCoeff();
   if (kind == SolidKind::Sphere) return {ellipsoid_mesh(Vec3::Ones(), detail), sphere_closed_form(1), true};
   if (kind == SolidKind::Ellipsoid) return {ellipsoid_mesh(axes, detail), ellipsoid_closed_form(axes), true};
@@ -93,14 +93,14 @@ void compute(Context& c) {
     RockOptions o;
     o.seed = c.seed();
     o.axes = axes_of(c);
-    o.facets = static_cast<int>(c.integer("facets"));
-    o.chips = static_cast<int>(c.integer("chips"));
+    o.facets = c.integer("facets");
+    o.chips = c.integer("chips");
     o.roughness = c.number("roughness");
-    o.detail = static_cast<int>(c.integer("detail"));
+    o.detail = c.integer("detail");
     const auto count = c.integer("count");
     for (std::int64_t i = 0; i < count; ++i) {
       const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
-      o.item = static_cast<std::uint64_t>(i);
+      o.item = i;
       shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
                                     {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
     }
@@ -109,11 +109,11 @@ void compute(Context& c) {
     o.kind = kind;
     o.seed = c.seed();
     o.axes = axes_of(c);
-    o.detail = static_cast<int>(c.integer("detail"));
+    o.detail = c.integer("detail");
     const auto count = c.integer("count");
     for (std::int64_t i = 0; i < count; ++i) {
       const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
-      o.item = static_cast<std::uint64_t>(i);
+      o.item = i;
       shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
                                     {stone_mesh(o, part), {}, kind != SolidKind::Shard}, size, 1.0 / count,
                                     part));

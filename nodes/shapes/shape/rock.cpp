@@ -85,7 +85,10 @@ void split_long_edges(Mesh& mesh, double limit, const Work& work) {
       for (int k = 0; k < 3; ++k) {
         const double l = (mesh.vertices[t[k]] - mesh.vertices[t[(k + 1) % 3]]).squaredNorm();
         const auto key = std::minmax(t[k], t[(k + 1) % 3]), old = std::minmax(t[best], t[(best + 1) % 3]);
-        if (l > length || (l == length && key < old)) best = k, length = l;
+        if (l > length || (l == length && key < old)) {
+          best = k;
+          length = l;
+        }
       }
       return best;
     };
@@ -98,7 +101,7 @@ void split_long_edges(Mesh& mesh, double limit, const Work& work) {
     if (votes.empty()) return;
     for (const auto& [edge, n] : votes)
       if (n == 2) {
-        midpoint[edge] = static_cast<int>(mesh.vertices.size());
+        midpoint[edge] = mesh.vertices.size();
         mesh.vertices.push_back((mesh.vertices[edge.first] + mesh.vertices[edge.second]) / 2);
       }
     const std::size_t count = mesh.triangles.size();

@@ -34,7 +34,9 @@ Mesh cube_grid(int n) {
         for (int j = 0; j < n; ++j) {
           auto at = [&](int di, int dj) {
             std::array<int, 3> p;
-            p[axis] = side * n, p[(axis + 1) % 3] = i + di, p[(axis + 2) % 3] = j + dj;
+            p[axis] = side * n;
+            p[(axis + 1) % 3] = i + di;
+            p[(axis + 2) % 3] = j + dj;
             return vertex(p);
           };
           int q[4] = {at(0, 0), at(1, 0), at(1, 1), at(0, 1)};

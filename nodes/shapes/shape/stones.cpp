@@ -38,7 +38,7 @@ void swell(Mesh& mesh, Random r, double sd, double shortest, double longest) {
     double sum = 0;
     for (int i = 0; i < kWaves; ++i) sum += weight[i] * std::cos(wave[i].dot(u) + phase[i]);
     f.push_back(sd * sum / std::sqrt(power));
-    mean += f.back() / static_cast<double>(mesh.vertices.size());
+    mean += f.back() / mesh.vertices.size();
   }
   for (std::size_t i = 0; i < f.size(); ++i) mesh.vertices[i] *= std::exp(f[i] - mean);
 }

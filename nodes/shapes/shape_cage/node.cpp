@@ -25,7 +25,7 @@ void compute(Context& c) {
   Shapes shapes = c.input<Shapes>("shapes");
   if (shapes.shapes.empty())
     throw Error("no-shapes", "there are no shapes", "connect a set with at least one shape");
-  const auto number = static_cast<std::size_t>(c.integer("shape"));
+  const std::size_t number = c.integer("shape");
   if (number >= shapes.shapes.size())
     throw Error("no-such-shape",
                 fmt::format("shape {} does not exist; there are {}", number, shapes.shapes.size()),
@@ -34,8 +34,7 @@ void compute(Context& c) {
   Shape& shape = shapes.shapes[number];
   if (!shape.color.empty() || !shape.uv.empty())
     c.warn("the colors of shape '" + shape.name + "' are dropped, since the surface gets other vertices");
-  Cage cage = fit_cage(shape.mesh, static_cast<int>(c.integer("vertices")),
-                       static_cast<int>(c.integer("iterations")), c.work().part(0, 0.8));
+  Cage cage = fit_cage(shape.mesh, c.integer("vertices"), c.integer("iterations"), c.work().part(0, 0.8));
   c.metric("mean_error", cage.mean_error / shape.size());
   c.metric("largest_error", cage.largest_error / shape.size());
   move_vertices(cage.control, moves_of(c));
@@ -46,10 +45,10 @@ void compute(Context& c) {
     const Vec3& p = cage.control.vertices[v];
     table.rows.push_back({double(v), p.x(), p.y(), p.z()});
   }
-  Shape surface =
-      measure_shape(shape.name, limit_surface(cage.control, static_cast<int>(c.integer("subdivision"))),
-                    shape.probability, c.work().part(0.8, 0.9));
-  surface.cls = shape.cls, surface.smooth = true;
+  Shape surface = measure_shape(shape.name, limit_surface(cage.control, c.integer("subdivision")),
+                                shape.probability, c.work().part(0.8, 0.9));
+  surface.cls = shape.cls;
+  surface.smooth = true;
   shape = std::move(surface);
   Shapes control;
   control.shapes.push_back(measure_shape("cage", std::move(cage.control), 1, c.work().part(0.9, 1)));

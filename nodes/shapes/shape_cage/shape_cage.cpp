@@ -42,8 +42,8 @@ class Surface {
     std::vector<int> corners;
     for (const Triangle& t : control.triangles) corners.insert(corners.end(), t.begin(), t.end());
     osd::Far::TopologyDescriptor d;
-    d.numVertices = static_cast<int>(control.vertices.size());
-    d.numFaces = static_cast<int>(control.triangles.size());
+    d.numVertices = control.vertices.size();
+    d.numFaces = control.triangles.size();
     d.numVertsPerFace = counts.data();
     d.vertIndicesPerFace = corners.data();
     using Factory = osd::Far::TopologyRefinerFactory<osd::Far::TopologyDescriptor>;
@@ -86,8 +86,8 @@ class Surface {
 Vec3 closest_point(const Mesh& mesh, const AabbTree& tree, const Vec3& p) {
   Vec3 out = p;
   tree.visit_near(p, 1e300, [&](std::int32_t t, double best) {
-    const Triangle& c = mesh.triangles[static_cast<std::size_t>(t)];
-    const auto corner = [&](int k) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(c[k])]; };
+    const Triangle& c = mesh.triangles[t];
+    const auto corner = [&](int k) -> const Vec3& { return mesh.vertices[c[k]]; };
     int feature = 0;
     const Vec3 q = closest_point_on_triangle(p, corner(0), corner(1), corner(2), feature);
     const double d = (p - q).squaredNorm();
@@ -115,10 +115,10 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
   constexpr double kSteady = 1e-3;  // weight of staying in place, so that no vertex drifts
   Cage out;
   out.control = mesh;
-  reduce_triangles(out.control, static_cast<std::size_t>(2 * vertices - 4), work.part(0, 0.3));
+  reduce_triangles(out.control, 2 * vertices - 4, work.part(0, 0.3));
   Mesh& control = out.control;
 
-  const auto n = static_cast<Eigen::Index>(control.vertices.size());
+  const Eigen::Index n = control.vertices.size();
   const Surface surface(control, kFitLevel);
   std::vector<Weights> units;
   for (Eigen::Index v = 0; v < n; ++v) units.push_back({Eigen::VectorXd::Unit(n, v)});
@@ -130,7 +130,7 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
 
   const AabbTree tree(mesh);
   Eigen::MatrixXd at(n, 3);
-  for (Eigen::Index v = 0; v < n; ++v) at.row(v) = control.vertices[static_cast<std::size_t>(v)];
+  for (Eigen::Index v = 0; v < n; ++v) at.row(v) = control.vertices[v];
   for (int i = 0; i < iterations; ++i) {
     work.check();
     const Eigen::MatrixXd points = limits * at;
@@ -139,7 +139,7 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
     at = solver.solve(limits.transpose() * wanted + kSteady * at);
     work.progress(0.3 + 0.6 * (i + 1) / iterations);
   }
-  for (Eigen::Index v = 0; v < n; ++v) control.vertices[static_cast<std::size_t>(v)] = at.row(v);
+  for (Eigen::Index v = 0; v < n; ++v) control.vertices[v] = at.row(v);
 
   const Mesh fitted = limit_surface(control, kFitLevel);
   const AabbTree fitted_tree(fitted);
@@ -147,7 +147,9 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
   const auto measure = [&](const Mesh& from, const Mesh& to, const AabbTree& to_tree) {
     for (const Vec3& p : from.vertices) {
       const double d = std::sqrt(squared_distance(to, to_tree, p, 1e300));
-      sum += d, ++count, out.largest_error = std::max(out.largest_error, d);
+      sum += d;
+      ++count;
+      out.largest_error = std::max(out.largest_error, d);
     }
   };
   measure(fitted, mesh, tree);
@@ -187,7 +189,7 @@ void move_vertices(Mesh& control, const std::vector<Move>& moves) {
                               control.vertices.size() - 1),
                   "choose a vertex of the node's table")
           .parameter("moves");
-    control.vertices[static_cast<std::size_t>(m.vertex)] += m.by;
+    control.vertices[m.vertex] += m.by;
   }
 }
 

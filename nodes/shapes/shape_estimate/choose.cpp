@@ -27,8 +27,8 @@ std::vector<Features> features_of(const std::vector<Outline>& outlines) {
     f.push_back({o.circularity, o.aspect, o.convexity, std::min(o.corners, 8) / 4.0});
   for (std::size_t k = 0; k < 4; ++k) {
     double mean = 0, square = 0;
-    for (const auto& v : f) mean += v[k] / static_cast<double>(f.size());
-    for (const auto& v : f) square += (v[k] - mean) * (v[k] - mean) / static_cast<double>(f.size());
+    for (const auto& v : f) mean += v[k] / f.size();
+    for (const auto& v : f) square += (v[k] - mean) * (v[k] - mean) / f.size();
     for (auto& v : f) v[k] = square > 1e-12 ? (v[k] - mean) / std::sqrt(square) : 0;
   }
   return f;
@@ -49,7 +49,10 @@ int medoid(const std::vector<Features>& f, const std::vector<double>& weight, co
     work.check();
     double sum = 0;
     for (const int j : members) sum += weight[j] * distance(f[i], f[j]);
-    if (sum < least) least = sum, best = i;
+    if (sum < least) {
+      least = sum;
+      best = i;
+    }
   }
   return best;
 }
@@ -65,7 +68,7 @@ std::vector<int> farthest_first(const std::vector<Features>& f, const std::vecto
     for (std::size_t i = 0; i < f.size(); ++i) {
       gap[i] = std::min(gap[i], distance(f[i], f[chosen.back()]));
       if (std::find(chosen.begin(), chosen.end(), static_cast<int>(i)) != chosen.end()) continue;
-      if (best < 0 || gap[i] > gap[best]) best = static_cast<int>(i);
+      if (best < 0 || gap[i] > gap[best]) best = i;
     }
     chosen.push_back(best);
   }
@@ -209,7 +212,7 @@ std::vector<Outline> outlines_by_id(const Profiles& profiles, const std::vector<
     if (const auto fault = outline_fault(contour); !fault.empty())
       throw Error("bad-profile", fmt::format("profile {} cannot be used: {}", id, fault),
                   "choose another profile");
-    out.push_back(make_outline(static_cast<int>(id), contour, crease));
+    out.push_back(make_outline(id, contour, crease));
   }
   return out;
 }

@@ -111,7 +111,7 @@ struct Attempt {
 // Builds the shape as requested. If it intersects itself, tries other base curves with the same profiles.
 Attempt attempt(const EstimateMethod& method, EstimateRequest request, bool any_base, const Work& work) {
   Attempt best;
-  const int n = static_cast<int>(request.chosen.size()), first = request.base;
+  const int n = request.chosen.size(), first = request.base;
   for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
     request.base = (first + turn) % n;
     Attempt made{method.run(request, work)};
@@ -136,24 +136,25 @@ ClassEstimate estimate_fit(Context& c, const Chosen& chosen, const Work& work) {
   FitRequest request;
   request.hands = chosen.shapes;
   request.all = &chosen.all;
-  request.count = static_cast<int>(c.integer("count"));
+  request.count = c.integer("count");
   request.smallest = c.number("smallest");
   request.one_size = c.text("sizes") == "equal";
-  request.rounds = static_cast<int>(c.integer("rounds"));
+  request.rounds = c.integer("rounds");
   request.seed = c.seed();
   Fit fit = fit_bodies(request, work.part(0, 0.95));
   ClassEstimate out;
   for (auto& body : fit.bodies) {
-    const auto crossing = static_cast<double>(self_intersections(body.mesh, work));
+    const double crossing = self_intersections(body.mesh, work);
     const std::string name = fmt::format("fit {} from {}", out.shapes.size() + 1, body.from);
     if (crossing > 0) c.warn(fmt::format("{} intersects itself ({} pairs of triangles)", name, crossing));
     out.self_intersections += crossing;
-    out.triangles += static_cast<double>(body.mesh.triangles.size());
+    out.triangles += body.mesh.triangles.size();
     Shape shape = measure_shape(name, std::move(body.mesh), body.probability, work.part(0.95, 1));
     shape.smooth = body.smooth;
     out.shapes.push_back(std::move(shape));
   }
-  out.start_distance = fit.start, out.distance = fit.distance;
+  out.start_distance = fit.start;
+  out.distance = fit.distance;
   return out;
 }
 
@@ -167,10 +168,10 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
     EstimateRequest request;
     request.chosen = chosen.shapes[s];
     request.all = &chosen.all;
-    request.index = static_cast<int>(s);
+    request.index = s;
     request.seed = c.seed();
-    request.subdivision = static_cast<int>(c.integer("subdivision"));
-    request.control = static_cast<int>(c.optional_integer("control").value_or(0));
+    request.subdivision = c.integer("subdivision");
+    request.control = c.optional_integer("control").value_or(0);
     request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
     // If the profiles are the same again, use another one of them as the base.
     const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
@@ -193,8 +194,8 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
           name, 100 * made.estimate.deviation));
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
-    out.triangles += static_cast<double>(shape.mesh.triangles.size());
-    out.self_intersections += static_cast<double>(made.self_intersections);
+    out.triangles += shape.mesh.triangles.size();
+    out.self_intersections += made.self_intersections;
     out.deviation = std::max(out.deviation, made.estimate.deviation);
     out.shapes.push_back(std::move(shape));
   }

@@ -59,7 +59,7 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
   }
   // Differences below visibility should not matter, and the covariance of a sample is uncertain.
   for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
+    const Eigen::Index i = k;
     covariance(i, i) = 1.1 * covariance(i, i) + std::pow(kLeastSpread[k] * scale_[k], 2);
   }
   sizes_ = sizes;
@@ -71,7 +71,7 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
     double reached = 0;
     std::size_t i = 0;
     for (std::size_t k = 0; k < kQuantiles; ++k) {
-      const double level = total * (static_cast<double>(k) + 0.5) / kQuantiles;
+      const double level = total * (k + 0.5) / kQuantiles;
       while (i + 1 < sorted.size() && reached + sorted[i].second < level) reached += sorted[i++].second;
       q[k] = sorted[i].first;
     }
@@ -117,8 +117,7 @@ Eigen::VectorXd FeatureTarget::means_by_area(const std::vector<Point>& points, c
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double w = s.weight[i] * s.root_area[i] * s.root_area[i];
     total += w;
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
-      sum[static_cast<Eigen::Index>(k)] += w * std::clamp(points[i][k], -6.0, 6.0);
+    for (std::size_t k = 0; k < kOutlineFeatures; ++k) sum[k] += w * std::clamp(points[i][k], -6.0, 6.0);
   }
   return sum / total;
 }
@@ -129,16 +128,16 @@ double FeatureTarget::distance(const FeatureSample& s) const {
 
 Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (s.features.empty()) return {};
-  constexpr auto kEach = static_cast<Eigen::Index>(kQuantiles + 1);
+  constexpr Eigen::Index kEach = kQuantiles + 1;
   constexpr auto kAll = static_cast<Eigen::Index>(kAxes + kDirections) * kEach;
-  constexpr auto kFeatures = static_cast<Eigen::Index>(kOutlineFeatures);
+  constexpr Eigen::Index kFeatures = kOutlineFeatures;
   Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + 2 * kFeatures);
   const auto points = standard(s);
   const double total = total_weight(s);
   Eigen::Matrix<double, kOutlineFeatures, 1> mean = Eigen::Matrix<double, kOutlineFeatures, 1>::Zero();
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t k = 0; k < kOutlineFeatures; ++k)
-      mean[static_cast<Eigen::Index>(k)] += s.weight[i] / total * std::clamp(points[i][k], -6.0, 6.0);
+      mean[k] += s.weight[i] / total * std::clamp(points[i][k], -6.0, 6.0);
   out.segment(kAll, kFeatures) = std::sqrt(kToldByMeans) * (whitening_ * mean);
   double importance = 0;
   for (const double w : importance_) importance += w;
@@ -157,7 +156,7 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
     std::size_t i = 0;
     for (std::size_t k = 0; k < kQuantiles; ++k) {
       // Interpolate between neighbors, so that the quantiles move smoothly with the body.
-      const double level = total * (static_cast<double>(k) + 0.5) / kQuantiles;
+      const double level = total * (k + 0.5) / kQuantiles;
       while (i + 1 < sorted.size() && reached + sorted[i].second < level) reached += sorted[i++].second;
       const double t = (level - reached) / sorted[i].second;
       const double below = i > 0 ? (sorted[i - 1].first + sorted[i].first) / 2 : sorted[i].first;

@@ -58,7 +58,7 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
       EstimateRequest r;
       r.chosen = request.hands[tasks[i].hand];
       r.all = request.all;
-      r.index = static_cast<int>(tasks[i].hand);
+      r.index = tasks[i].hand;
       r.seed = request.seed;
       // Omit fine detail of silhouettes, which extrusion would turn into ridges.
       r.subdivision = tasks[i].method->silhouettes ? -1 : 1;
@@ -107,22 +107,21 @@ void append(FeatureSample& to, const FeatureSample& s) {
 // Shares ≥ 0 with sum 1 for which the mixture's distribution functions are closest to the observed ones, by
 // projected gradient. A small ridge draws them to equal shares, because the observed profiles are a sample.
 std::vector<double> shares_of(const FeatureTarget& target, const std::vector<FeatureSample>& samples) {
-  const auto n = static_cast<Eigen::Index>(samples.size());
+  const Eigen::Index n = samples.size();
   const auto importance = target.importance();
   const auto& goal = target.observed_cumulative();
   Eigen::MatrixXd a(static_cast<Eigen::Index>(goal.size()), n);
   Eigen::VectorXd b(static_cast<Eigen::Index>(goal.size()));
   for (Eigen::Index k = 0; k < n; ++k) {
-    const auto f = target.cumulative(samples[static_cast<std::size_t>(k)]);
+    const auto f = target.cumulative(samples[k]);
     for (std::size_t i = 0; i < goal.size(); ++i)
       a(static_cast<Eigen::Index>(i), k) = std::sqrt(importance[i]) * f[i];
   }
-  for (std::size_t i = 0; i < goal.size(); ++i)
-    b[static_cast<Eigen::Index>(i)] = std::sqrt(importance[i]) * goal[i];
+  for (std::size_t i = 0; i < goal.size(); ++i) b[i] = std::sqrt(importance[i]) * goal[i];
   Eigen::MatrixXd h = a.transpose() * a;
   h.diagonal().array() += 0.02;
-  const Eigen::VectorXd g = a.transpose() * b + Eigen::VectorXd::Constant(n, 0.02 / static_cast<double>(n));
-  Eigen::VectorXd w = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+  const Eigen::VectorXd g = a.transpose() * b + Eigen::VectorXd::Constant(n, 0.02 / n);
+  Eigen::VectorXd w = Eigen::VectorXd::Constant(n, 1.0 / n);
   const double step = 1 / h.trace();
   for (int i = 0; i < 20000; ++i) {
     const Eigen::VectorXd moved = w - step * (h * w - g);
@@ -132,7 +131,7 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
     double sum = 0, level = 0;
     for (std::size_t k = 0; k < sorted.size(); ++k) {
       sum += sorted[k];
-      const double t = (sum - 1) / static_cast<double>(k + 1);
+      const double t = (sum - 1) / (k + 1);
       if (sorted[k] > t) level = t;
     }
     w = (moved.array() - level).max(0.0);
@@ -169,8 +168,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     observed.root_area.push_back(std::sqrt(o.area));
     observed.weight.push_back(1);
   }
-  const std::size_t most =
-      std::clamp(kPlanesPerRound * static_cast<std::size_t>(request.rounds), kLeastPlanes, kMostPlanes);
+  const std::size_t most = std::clamp(kPlanesPerRound * request.rounds, kLeastPlanes, kMostPlanes);
   const std::size_t planes =
       request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, most);
   const FeatureTarget target(observed, request.one_size, request.seed);
@@ -200,7 +198,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   std::vector<FeatureSample> guesses(kGuesses);
   work.part(0.08, 0.15).parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto family = modeled_bodies(request.seed, static_cast<int>(i));
+      const auto family = modeled_bodies(request.seed, i);
       guesses[i] = sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
     }
   });
@@ -214,7 +212,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   for (int k = 0; k < count; ++k) {
     const double from = 0.15 + 0.83 * k / count;
     const Work part = work.part(from, from + 0.83 / count);
-    const std::uint64_t seed = request.seed + static_cast<std::uint64_t>(k);
+    const std::uint64_t seed = request.seed + k;
     const auto with_those_before = [&](FeatureSample s) {
       if (k > 0 && !s.features.empty()) {
         s = with_share(std::move(s), 1.0 / (k + 1));
@@ -256,7 +254,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
         runs.push_back(
             {modeled_bodies(request.seed, order[i].second), "a ball", Kind::Modeled, {}, order[i].second});
     };
-    const auto i = static_cast<std::size_t>(k);
+    const std::size_t i = k;
     if (k == 0) {
       for (std::size_t s = 0; s < std::min<std::size_t>(n, 3); ++s) deformed(s);
       polyhedron(0);
@@ -277,16 +275,15 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     };
     for (std::size_t i = 0; i < runs.size(); ++i) {
       runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
-      const double share = 0.5 / static_cast<double>(runs.size());
-      go(runs[i], 1, 0.4, std::min(planes, kLeastPlanes),
-         part.part(share * static_cast<double>(i), share * static_cast<double>(i + 1)));
+      const double share = 0.5 / runs.size();
+      go(runs[i], 1, 0.4, std::min(planes, kLeastPlanes), part.part(share * i, share * (i + 1)));
     }
     Run& best = *std::min_element(runs.begin(), runs.end(),
                                   [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
     go(best, request.rounds, 0.25, planes, part.part(0.5, 1));
     if (k == 0) kind = best.kind;
     // Do not start from the same modeled body again.
-    if (best.guess >= 0) guesses[static_cast<std::size_t>(best.guess)] = {};
+    if (best.guess >= 0) guesses[best.guess] = {};
     bodies.push_back(simple_body(*best.family, best.at.x, part));
     fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
     // All bodies so far have equal shares of the profiles.

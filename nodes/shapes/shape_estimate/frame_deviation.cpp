@@ -61,8 +61,7 @@ double frame_deviation(const MorphFrame& frame, const Mesh& mesh) {
   for (std::size_t k = 0; k < curves.size(); ++k) {
     Mat3 plane = Mat3::Identity();
     if (k > 0) {
-      const double angle =
-          static_cast<double>(k - 1) * std::numbers::pi / static_cast<double>(curves.size() - 1);
+      const double angle = (k - 1) * std::numbers::pi / (curves.size() - 1);
       plane.col(0) = Vec3(std::cos(angle), std::sin(angle), 0);
       plane.col(1) = Vec3::UnitZ();
       plane.col(2) = plane.col(0).cross(plane.col(1));

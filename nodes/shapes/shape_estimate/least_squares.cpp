@@ -23,9 +23,9 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
   for (int round = 0; round < o.rounds; ++round) {
     work.check();
     Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(at.size(), n);
-    work.quiet().parallel(static_cast<std::size_t>(n), 1, [&](std::size_t begin, std::size_t end) {
+    work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k) {
-        const auto c = static_cast<Eigen::Index>(k);
+        const Eigen::Index c = k;
         for (const double h : {step, -step}) {
           Eigen::VectorXd x = best.x;
           x[c] += h;
@@ -43,7 +43,7 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
       constexpr std::array<double, 6> kDampings{0.01, 0.1, 1, 10, 100, 1000};
       std::array<LeastSquares, kDampings.size()> tries;
       std::array<Eigen::VectorXd, kDampings.size()> reached;
-      const double level = square.trace() / static_cast<double>(n);
+      const double level = square.trace() / n;
       work.quiet().parallel(tries.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
           Eigen::MatrixXd m = square;

@@ -14,7 +14,7 @@ namespace {
 
 CandidateOptions candidate_options(const Context& c) {
   CandidateOptions options;
-  if (const auto v = c.optional_integer("class")) options.cls = static_cast<int>(*v);
+  if (const auto v = c.optional_integer("class")) options.cls = *v;
   options.smallest = c.number("smallest");
   options.crease = c.number("crease");
   return options;
@@ -40,21 +40,25 @@ std::vector<ClassEstimate> estimate_classes(Context& c, const Profiles& profiles
   std::vector<ClassEstimate> out;
   const double parts = static_cast<double>(own.size()) + (shared.empty() ? 0 : 1);
   const auto add = [&](const std::vector<int>& classes) {
-    const double at = static_cast<double>(out.size());
+    const double at = out.size();
     const Work part = c.work().part(std::min(1.0, at / parts), std::min(1.0, (at + 1) / parts));
     ClassEstimate made = estimate_class(c, profiles, options, part);
     for (const int cls : classes) {
       ClassEstimate& e = out.emplace_back(made);
       for (Shape& s : e.shapes) {
-        s.cls = cls, s.name = fmt::format("class {}: {}", cls, s.name);
-        s.probability *= static_cast<double>(of_class[cls]) / static_cast<double>(profiles.profiles.size());
+        s.cls = cls;
+        s.name = fmt::format("class {}: {}", cls, s.name);
+        s.probability *= static_cast<double>(of_class[cls]) / profiles.profiles.size();
       }
     }
   };
-  for (const int cls : own) options.cls = cls, add({cls});
+  for (const int cls : own) {
+    options.cls = cls;
+    add({cls});
+  }
   options.cls = -1;
   if (!shared.empty()) add(shared);
-  c.metric("classes_with_shapes_of_all", static_cast<double>(shared.size()));
+  c.metric("classes_with_shapes_of_all", shared.size());
   return out;
 }
 
@@ -69,13 +73,15 @@ void compute(Context& c) {
   ClassEstimate all;
   for (ClassEstimate& e : classes) {
     std::move(e.shapes.begin(), e.shapes.end(), std::back_inserter(shapes.shapes));
-    all.usable += e.usable, all.triangles += e.triangles, all.self_intersections += e.self_intersections;
+    all.usable += e.usable;
+    all.triangles += e.triangles;
+    all.self_intersections += e.self_intersections;
     all.deviation = std::max(all.deviation, e.deviation);
     all.start_distance = std::max(all.start_distance, e.start_distance);
     all.distance = std::max(all.distance, e.distance);
   }
-  c.metric("usable_profiles", static_cast<double>(all.usable));
-  c.metric("shapes", static_cast<double>(shapes.shapes.size()));
+  c.metric("usable_profiles", all.usable);
+  c.metric("shapes", shapes.shapes.size());
   c.metric("triangles", all.triangles);
   c.metric("self_intersections", all.self_intersections);
   if (all.deviation >= 0) c.metric("deviation", all.deviation);

@@ -31,7 +31,10 @@ double total_turn(const std::vector<Vec2>& p) {
 
 std::vector<Vec2> without_repeats(const std::vector<Vec2>& contour) {
   Vec2 low = contour[0], high = contour[0];
-  for (const auto& p : contour) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const auto& p : contour) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   const double least = 1e-9 * (high - low).norm();
   std::vector<Vec2> out;
   for (const auto& p : contour)
@@ -50,7 +53,7 @@ class ByLength {
   double at(std::size_t i) const { return at_[i]; }
   Vec2 operator()(double s) const {
     s -= std::floor(s / total()) * total();
-    std::size_t i = static_cast<std::size_t>(std::upper_bound(at_.begin(), at_.end(), s) - at_.begin());
+    std::size_t i = std::upper_bound(at_.begin(), at_.end(), s) - at_.begin();
     i = std::clamp<std::size_t>(i, 1, p_.size()) - 1;
     const double f = (s - at_[i]) / (at_[i + 1] - at_[i]);
     return (1 - f) * p_[i] + f * p_[(i + 1) % p_.size()];
@@ -64,17 +67,15 @@ class ByLength {
 std::vector<Vec2> resampled(const std::vector<Vec2>& p, std::size_t n) {
   const ByLength curve(p);
   std::vector<Vec2> out(n);
-  for (std::size_t i = 0; i < n; ++i)
-    out[i] = curve(curve.total() * static_cast<double>(i) / static_cast<double>(n));
+  for (std::size_t i = 0; i < n; ++i) out[i] = curve(curve.total() * static_cast<double>(i) / n);
   return out;
 }
 
 // Gaussian smoothing with standard deviation `sigma` (mm) of evenly spaced points, scaled
 // to preserve the area.
 std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
-  const double step = length(p) / static_cast<double>(p.size());
-  const int n = static_cast<int>(p.size()),
-            reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma / step)));
+  const double step = length(p) / p.size();
+  const int n = p.size(), reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma / step)));
   std::vector<Vec2> out(p.size(), Vec2::Zero());
   for (int i = 0; i < n; ++i) {
     double weight = 0;
@@ -286,7 +287,10 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   o.area = loop_area(o.points);
   o.perimeter = length(o.points);
   Vec2 low = o.points[0], high = low;
-  for (const auto& q : o.points) low = low.cwiseMin(q), high = high.cwiseMax(q);
+  for (const auto& q : o.points) {
+    low = low.cwiseMin(q);
+    high = high.cwiseMax(q);
+  }
   o.width = high.x() - low.x();
   o.height = high.y() - low.y();
   o.circularity = 4 * pi * o.area / (o.perimeter * o.perimeter);

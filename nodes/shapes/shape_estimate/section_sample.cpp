@@ -15,7 +15,7 @@ std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::
   std::vector<CutProfile> out;
   MeshCutter cutter(mesh);
   for (std::size_t i = 0; i < planes; ++i) {
-    const auto k = static_cast<double>(first + i + 1);
+    const double k = first + i + 1;
     const auto part = [&](double step) { return std::fmod(0.5 + step * k, 1.0); };
     const double z = part(0.8191725133961645), phi = 2 * std::numbers::pi * part(0.6710436067037893),
                  depth = part(0.5497004779019703), r = std::sqrt(1 - z * z);

@@ -43,7 +43,10 @@ std::int64_t self_intersections(const Mesh& mesh, const Work& work) {
   const std::size_t n = mesh.triangles.size();
   if (n == 0) return 0;
   Vec3 low = mesh.vertices[0], high = low;
-  for (const auto& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const auto& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
   const int cells = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(n)) / 2), 1, 64);
   const Vec3 step = ((high - low) / cells).cwiseMax(1e-300);
   struct Box {

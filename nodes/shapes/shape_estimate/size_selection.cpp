@@ -21,7 +21,10 @@ struct Sections {
 
 double mean_root_area(const std::vector<CutProfile>& sections) {
   double sum = 0, total = 0;
-  for (const CutProfile& s : sections) sum += s.weight * s.root_area, total += s.weight;
+  for (const CutProfile& s : sections) {
+    sum += s.weight * s.root_area;
+    total += s.weight;
+  }
   return sum / total;
 }
 
@@ -49,18 +52,17 @@ Sections relative_sizes(const std::vector<std::vector<CutProfile>>& bodies) {
 SizeSelection::SizeSelection(const std::vector<double>& root_area,
                              const std::vector<std::vector<CutProfile>>& typical) {
   if (root_area.empty()) return;
-  mean_ = std::accumulate(root_area.begin(), root_area.end(), 0.0) / static_cast<double>(root_area.size());
+  mean_ = std::accumulate(root_area.begin(), root_area.end(), 0.0) / root_area.size();
   limit_ = *std::min_element(root_area.begin(), root_area.end());
   const double limit = std::log(limit_),
                top = std::log(*std::max_element(root_area.begin(), root_area.end()));
   const Sections sections = relative_sizes(typical);
-  const auto n_sections = static_cast<int>(sections.share.size());
+  const int n_sections = sections.share.size();
   // Profiles in classes above the limit.
   const int observed = std::clamp(static_cast<int>((top - limit) / kStep) + 1, 1, kClasses);
   std::vector<double> count(static_cast<std::size_t>(observed), 0);
   for (const double v : root_area)
-    count[static_cast<std::size_t>(
-        std::clamp(static_cast<int>((std::log(v) - limit) / kStep), 0, observed - 1))] += 1;
+    count[std::clamp(static_cast<int>((std::log(v) - limit) / kStep), 0, observed - 1)] += 1;
   // A particle of class j, whose mean section is e^(lowest + j·kStep) times the limit, shows a profile of
   // class k by chance sections.share[k − j + shift].
   const int below = static_cast<int>(std::ceil(-sections.first / kStep)),
@@ -68,7 +70,7 @@ SizeSelection::SizeSelection(const std::vector<double>& root_area,
   const int sizes = observed + above;    // the smallest shows only its largest section
   const auto chance = [&](int j, int k) {
     const int s = k - (j - above) + below;
-    return s >= 0 && s < n_sections ? sections.share[static_cast<std::size_t>(s)] : 0.0;
+    return s >= 0 && s < n_sections ? sections.share[s] : 0.0;
   };
   std::vector<double> visible(static_cast<std::size_t>(sizes), 0), seen(visible), next(visible);
   for (int j = 0; j < sizes; ++j)
@@ -100,7 +102,7 @@ SizeSelection::SizeSelection(const std::vector<double>& root_area,
   first_ = -(observed + kClasses) * kStep;
   seen_.assign(static_cast<std::size_t>(std::lround((2.0 - first_) / kStep)), 0);
   for (std::size_t i = 0; i < seen_.size(); ++i) {
-    const double relative = first_ + static_cast<double>(i) * kStep;
+    const double relative = first_ + i * kStep;
     for (int j = 0; j < sizes; ++j) {
       // Sizes fill their class evenly.
       const double over = (relative + (j - above) * kStep) / kStep + 0.5;
@@ -126,7 +128,7 @@ void SizeSelection::apply(std::vector<CutProfile>& sections) const {
   const double mean = mean_root_area(sections), last = static_cast<double>(seen_.size()) - 1;
   const auto seen_at = [&](double at) {
     const auto k = std::min(static_cast<std::size_t>(at), seen_.size() - 2);
-    const double t = at - static_cast<double>(k);
+    const double t = at - k;
     return (1 - t) * seen_[k] + t * seen_[k + 1];
   };
   std::size_t number = 0;
@@ -138,10 +140,10 @@ void SizeSelection::apply(std::vector<CutProfile>& sections) const {
     s.weight *= seen;
     // A particle whose mean section is e^size times the limit shows this section above the limit if it shows
     // sections of the relative size −size; those above a size are as many as seen_ at its negative.
-    const double share = seen * std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(number), 1.0);
-    const auto k = static_cast<std::size_t>(std::upper_bound(seen_.begin(), seen_.end(), share) -
-                                            seen_.begin());  // seen_[k − 1] ≤ share
-    double where = static_cast<double>(k);
+    const double share = seen * std::fmod(0.5 + 0.6180339887498949 * number, 1.0);
+    const std::size_t k =
+        std::upper_bound(seen_.begin(), seen_.end(), share) - seen_.begin();  // seen_[k − 1] ≤ share
+    double where = k;
     if (k > 0 && k < seen_.size()) where -= (seen_[k] - share) / (seen_[k] - seen_[k - 1]);
     const double size = -(first_ + std::min(where, at) * kStep);
     s.scale = limit_ * std::exp(size) / mean;

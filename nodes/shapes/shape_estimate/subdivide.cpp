@@ -30,11 +30,11 @@ class Surface {
     }
     for (const auto& e : mesh.crease_edges) pairs.insert(pairs.end(), e.begin(), e.end());
     osd::Far::TopologyDescriptor d;
-    d.numVertices = static_cast<int>(mesh.vertices.size());
-    d.numFaces = static_cast<int>(mesh.faces.size());
+    d.numVertices = mesh.vertices.size();
+    d.numFaces = mesh.faces.size();
     d.numVertsPerFace = counts.data();
     d.vertIndicesPerFace = corners.data();
-    d.numCreases = static_cast<int>(mesh.crease_edges.size());
+    d.numCreases = mesh.crease_edges.size();
     d.creaseVertexIndexPairs = pairs.data();
     d.creaseWeights = mesh.crease_sharpness.data();
     using Factory = osd::Far::TopologyRefinerFactory<osd::Far::TopologyDescriptor>;
@@ -105,7 +105,7 @@ Mesh interpolating_surface(const ControlMesh& mesh, int level, int iterations, c
     work.check();
     const auto at = fit.limit(control);
     for (std::size_t v = 0; v < control.size(); ++v)
-      control[v].p += mesh.vertices[v] - at[fit.descendant(static_cast<int>(v))].p;
+      control[v].p += mesh.vertices[v] - at[fit.descendant(v)].p;
   }
   return surface.tessellation(control);
 }

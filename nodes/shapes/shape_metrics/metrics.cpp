@@ -24,7 +24,10 @@ struct Sums {
   Sums operator+(const Sums& o) const {
     Sums s = *this;
     s.n += o.n;
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k) s.sum[k] += o.sum[k], s.square[k] += o.square[k];
+    for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
+      s.sum[k] += o.sum[k];
+      s.square[k] += o.square[k];
+    }
     for (std::size_t b = 0; b < s.curvature.size(); ++b) s.curvature[b] += o.curvature[b];
     return s;
   }
@@ -40,7 +43,7 @@ void add(Sums& s, const Loop& loop, const OutlineMeasuring& how) {
   }
   for (const double c : outline_curvature(resampled_loop(loop, how.points))) {
     const int bin = static_cast<int>(std::floor((c - kCurvatureFrom) / kCurvatureStep));
-    s.curvature[static_cast<std::size_t>(std::clamp(bin, 0, kCurvatureBins - 1))] += 1.0 / how.points;
+    s.curvature[std::clamp(bin, 0, kCurvatureBins - 1)] += 1.0 / how.points;
   }
 }
 
@@ -72,10 +75,10 @@ Plot curvatures(const std::vector<MetricsRow>& rows, bool central) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     PlotSeries s;
     s.name = rows[i].name;
-    s.color = static_cast<int>(i);
+    s.color = i;
     for (int b = 0; b < kCurvatureBins; ++b) {
       s.x.push_back(kCurvatureFrom + (b + 0.5) * kCurvatureStep);
-      s.y.push_back(of(rows[i], central).curvature[static_cast<std::size_t>(b)]);
+      s.y.push_back(of(rows[i], central).curvature[b]);
     }
     p.series.push_back(std::move(s));
   }
@@ -89,8 +92,8 @@ SectionSummary summarize(const Shapes& shapes, SectionKind kind, const MetricsCh
   Sums all;
   for (std::size_t first = 0; first < choice.sections; first += kBatch) {
     const std::size_t n = std::min(kBatch, choice.sections - first);
-    const double part = 1.0 / static_cast<double>(choice.sections);
-    const Work here = work.part(part * static_cast<double>(first), part * static_cast<double>(first + n));
+    const double part = 1.0 / choice.sections;
+    const Work here = work.part(part * first, part * (first + n));
     const auto sections = random_sections(shapes, n, {kind, choice.seed, first}, here.part(0, 0.6));
     all = here.part(0.6, 1).reduce(
               n, 32, Sums{},
@@ -106,7 +109,7 @@ SectionSummary summarize(const Shapes& shapes, SectionKind kind, const MetricsCh
   if (all.n == 0) throw Error("no-profile", "no section of the shapes has an area", "check the shapes");
   SectionSummary out;
   out.profiles = all.n;
-  const auto n = static_cast<double>(all.n);
+  const double n = all.n;
   for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
     out.mean[k] = all.sum[k] / n;
     out.sd[k] = std::sqrt(std::max(0.0, all.square[k] / n - out.mean[k] * out.mean[k]));

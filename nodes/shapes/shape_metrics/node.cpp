@@ -56,14 +56,14 @@ std::vector<Population> populations(const Context& c) {
 
 void compute(Context& c) {
   MetricsChoice choice;
-  choice.sections = static_cast<std::size_t>(c.integer("sections"));
+  choice.sections = c.integer("sections");
   choice.seed = c.seed();
-  choice.measuring.points = static_cast<int>(c.integer("points"));
+  choice.measuring.points = c.integer("points");
   const auto all = populations(c);
   std::vector<MetricsRow> rows;
-  const auto n = static_cast<double>(all.size());
+  const double n = all.size();
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const double from = static_cast<double>(i) / n;
+    const double from = i / n;
     rows.push_back(
         {all[i].name,
          summarize(all[i].shapes, SectionKind::Central, choice, c.work().part(from, from + 0.5 / n)),

@@ -21,7 +21,7 @@ void compute(Context& c) {
     if (const auto faults = mesh_faults(s.mesh); !faults.empty())
       throw Error("open-mesh", fmt::format("the shape '{}' is not watertight: {}", s.name, faults[0]));
   const auto planes = c.choice<Planes>("planes");
-  const auto count = static_cast<std::size_t>(c.integer("count"));
+  const std::size_t count = c.integer("count");
   const auto seed = c.seed();
   std::vector<BodySection> sections;
   if (planes == Planes::Principal) {
@@ -35,18 +35,18 @@ void compute(Context& c) {
   const int columns = c.keyword("columns").empty()
                           ? static_cast<int>(c.integer("columns"))
                           : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sections.size()))));
-  const int cell = static_cast<int>(c.integer("cell"));
+  const int cell = c.integer("cell");
   constexpr double kMost = 64e6;
   const double pixels =
       static_cast<double>(cell) * cell * columns * std::ceil(static_cast<double>(sections.size()) / columns);
   Profiles profiles = profiles_of(sections, columns, 1.15 * extent);
-  c.metric("profiles", static_cast<double>(profiles.profiles.size()));
-  c.metric("sections", static_cast<double>(sections.size()));
+  c.metric("profiles", profiles.profiles.size());
+  c.metric("sections", sections.size());
   // An image of all sections could be too large: show only the first rows.
   if (pixels > kMost) {
     const auto rows = std::max<std::size_t>(
         1, static_cast<std::size_t>(kMost / (static_cast<double>(cell) * cell * columns)));
-    const std::size_t shown = std::min(sections.size(), rows * static_cast<std::size_t>(columns));
+    const std::size_t shown = std::min(sections.size(), rows * columns);
     c.warn(fmt::format("the image shows only the first {} of {} sections", shown, sections.size()));
     sections.resize(shown);
   }

@@ -31,7 +31,10 @@ struct Extent {
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   explicit Extent(const BodySection& section) {
     for (const auto& profile : section)
-      for (const Vec2& p : profile[0]) low = low.cwiseMin(p), high = high.cwiseMax(p);
+      for (const Vec2& p : profile[0]) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
   }
   Vec2 center() const { return (low + high) / 2; }
 };

@@ -44,11 +44,11 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
         const double u = ((b.x() - px) * (c.y() - py) - (b.y() - py) * (c.x() - px)) / area,
                      v = ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / area, w = 1 - u - v;
         if (u < 0 || v < 0 || w < 0) continue;
-        const auto z = static_cast<float>(u * a.z() + v * b.z() + w * c.z());
+        const float z = u * a.z() + v * b.z() + w * c.z();
         const std::size_t pixel = static_cast<std::size_t>(y) * n + x;
         if (z <= depth[pixel]) continue;
         depth[pixel] = z;
-        shade[pixel] = static_cast<float>(u * light[i] + v * light[j] + w * light[k]);
+        shade[pixel] = u * light[i] + v * light[j] + w * light[k];
       }
   }
   for (int y = 0; y < cell; ++y)
@@ -63,7 +63,7 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
 }  // namespace
 
 Image views_of(const Shapes& shapes, int cell, const Work& work) {
-  const int rows = static_cast<int>(shapes.shapes.size());
+  const int rows = shapes.shapes.size();
   double reach = 0;
   for (const Shape& s : shapes.shapes)
     reach = std::max(reach, mesh_bounding_radius(s.mesh, mesh_centroid(s.mesh)));
@@ -75,7 +75,7 @@ Image views_of(const Shapes& shapes, int cell, const Work& work) {
       Shape centerd = s;
       transform(centerd.mesh, Mat3::Identity(), -mesh_centroid(s.mesh));
       const Mat3 axes = volume_axes(s.mesh);
-      const int side = static_cast<int>(i % 3);
+      const int side = i % 3;
       Mat3 view;
       view.col(2) = axes.col(2 - side);
       view.col(0) = side < 2 ? Vec3(axes.col(0)) : Vec3(axes.col(1));

@@ -9,12 +9,14 @@ namespace {
 SizeLaw law_of(const NodeParameters& c) {
   SizeLaw law;
   law.kind = c.choice<LawKind>("kind");
-  law.mean = c.number("mean"), law.sd = c.number("sd"), law.exponent = c.number("exponent");
+  law.mean = c.number("mean");
+  law.sd = c.number("sd");
+  law.exponent = c.number("exponent");
   law.min = c.number("min");
   if (const auto v = c.optional_number("max")) law.max = *v;
   law.density_by = c.choice<DensityBy>("density_by");
   law.volume = c.number("volume");
-  law.classes = static_cast<int>(c.integer("classes"));
+  law.classes = c.integer("classes");
   if (c.keyword("class_edges").empty()) law.class_edges = c.numbers("class_edges");
   if (c.keyword("N_V").empty()) law.N_V = c.numbers("N_V");
   if (c.keyword("low").empty()) law.low = c.numbers("low");

@@ -25,7 +25,10 @@ double unit_volume(const Shape& s) {
 double unit_volume(const Shapes* shapes) {
   if (!shapes || shapes->shapes.empty()) return std::numbers::pi / 6;
   double sum = 0, total = 0;
-  for (const auto& s : shapes->shapes) sum += s.probability * unit_volume(s), total += s.probability;
+  for (const auto& s : shapes->shapes) {
+    sum += s.probability * unit_volume(s);
+    total += s.probability;
+  }
   return sum / total;
 }
 
@@ -180,7 +183,9 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   e.shape = -1;
   if (law.kind == LawKind::Classes) {
     out.class_edges = law.class_edges;
-    e.N_V = law.N_V, e.low = law.low, e.high = law.high;
+    e.N_V = law.N_V;
+    e.low = law.low;
+    e.high = law.high;
   } else {
     out.class_edges = law_edges(law);
     for (std::size_t i = 0; i + 1 < out.class_edges.size(); ++i) {
@@ -191,8 +196,10 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   }
   const double unit = unit_volume(shapes);
   double number = 0, volume = 0;
-  for (std::size_t i = 0; i < e.N_V.size(); ++i)
-    number += e.N_V[i], volume += e.N_V[i] * unit * mean_cube(out.class_edges[i], out.class_edges[i + 1]);
+  for (std::size_t i = 0; i < e.N_V.size(); ++i) {
+    number += e.N_V[i];
+    volume += e.N_V[i] * unit * mean_cube(out.class_edges[i], out.class_edges[i + 1]);
+  }
   if (!(number > 0))
     throw Error("bad-range", "the law has no particles between min and max").parameter("min");
   double factor = 1;
@@ -218,7 +225,7 @@ SizeDistribution make_distribution(const SizeLaw& law, const Shapes* shapes) {
   for (const Shape& s : shapes->shapes) probability += s.probability;
   for (std::size_t s = 0; s < shapes->shapes.size(); ++s) {
     SizeDistribution::Entry part = e;
-    part.shape = part.cls = static_cast<int>(s);
+    part.shape = part.cls = s;
     for (auto* list : {&part.N_V, &part.low, &part.high})
       for (double& v : *list) v *= shapes->shapes[s].probability / probability;
     out.shapes.push_back(std::move(part));

@@ -13,7 +13,10 @@ constexpr int kRanges = 48, kNodes = 2 * kRanges + 1;
 GridSweep::GridSweep(const Mesh& mesh)
     : place_(mesh.vertices.size()), node_depth_(kNodes), node_area_(kNodes), ranges_(kRanges) {
   Vec3 low = mesh.vertices.at(0), high = low;
-  for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
   const Vec3 middle = (low + high) / 2;  // areas of a body far from the origin would lose precision
   for (const Vec3& v : mesh.vertices) vertex_.push_back(v - middle);
   for (const Triangle& t : mesh.triangles) {
@@ -35,7 +38,8 @@ const std::vector<AreaRange>& GridSweep::sweep(const Vec3& direction) {
   double lo = u.dot(vertex_[0]), hi = lo;
   for (std::size_t v = 0; v < vertex_.size(); ++v) {
     const double z = place_[v].depth = u.dot(vertex_[v]);
-    lo = std::min(lo, z), hi = std::max(hi, z);
+    lo = std::min(lo, z);
+    hi = std::max(hi, z);
   }
   std::fill(node_area_.begin(), node_area_.end(), 0.0);
   if (hi > lo) {

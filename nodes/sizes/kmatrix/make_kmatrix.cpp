@@ -35,19 +35,22 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   k.classes = options.classes;
   k.averaging = options.averaging;
   const auto edges = equal_edges(options.classes, 1);
-  const auto count = static_cast<double>(shapes.shapes.size());
+  const double count = shapes.shapes.size();
   std::size_t most = 0;
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     const Shape& shape = shapes.shapes[i];
-    const Work part = work.part(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+    const Work part = work.part(i / count, (i + 1) / count);
     const SectionStatistics s =
         options.method == Method::Analytic ? ellipsoid_statistics(fit_ellipsoid(shape))
         : options.method == Method::Stencil
             ? stencil_statistics(shape, options.classes, options.orientations, options.device, part)
             : slice_statistics(shape, options.classes, options.orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();
-    e.probability = shape.probability / total, e.cls = shape.cls;
-    e.mean_caliper = s.mean_caliper, e.max_section_area = s.max_section_area, e.volume = s.volume;
+    e.probability = shape.probability / total;
+    e.cls = shape.cls;
+    e.mean_caliper = s.mean_caliper;
+    e.max_section_area = s.max_section_area;
+    e.volume = s.volume;
     e.profiles_per_caliper = s.profiles_per_caliper;
     e.cdf = s.cdf;
     e.K = size_kernel(e, edges, edges, options.averaging == "upper_edge");

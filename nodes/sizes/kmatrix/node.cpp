@@ -37,7 +37,8 @@ Table table_of(const KMatrix& k, const Shapes& shapes) {
 Image figure_of(const KMatrix& k, const Shapes& shapes) {
   constexpr int kPoints = 100;
   Plot plot;
-  plot.title = "Likelihood of cross-sectional area", plot.x_label = "sqrt(A / A_max)",
+  plot.title = "Likelihood of cross-sectional area";
+  plot.x_label = "sqrt(A / A_max)";
   plot.y_label = "density";
   for (std::size_t s = 0; s < k.shapes.size(); ++s) {
     PlotSeries line{PlotSeries::Kind::Line, name_of(shapes, s), {}, {}, {}, {}, static_cast<int>(s)};
@@ -54,10 +55,10 @@ Image figure_of(const KMatrix& k, const Shapes& shapes) {
 void compute(Context& c) {
   KMatrixOptions options;
   options.method = c.choice<Method>("method");
-  options.classes = static_cast<int>(c.integer("classes"));
+  options.classes = c.integer("classes");
   options.averaging = c.text("averaging");
   const bool automatic = c.keyword("orientations") == "auto";
-  if (!automatic) options.orientations = static_cast<std::size_t>(c.integer("orientations"));
+  if (!automatic) options.orientations = c.integer("orientations");
   options.device = c.choice<GlDevice>("device");
   std::size_t used = 0;
   KMatrix k = make_kmatrix(c.input<Shapes>("shapes"), options, c.work(), &used);
@@ -66,12 +67,14 @@ void compute(Context& c) {
         "after {} directions a class still changed by {:.2g} %; use fewer classes, or set orientations", used,
         100 * k.residual));
   double caliper = 0, profiles = 0;
-  for (const auto& e : k.shapes)
-    caliper += e.probability * e.mean_caliper, profiles += e.probability * e.profiles_per_caliper;
+  for (const auto& e : k.shapes) {
+    caliper += e.probability * e.mean_caliper;
+    profiles += e.probability * e.profiles_per_caliper;
+  }
   c.metric("mean_caliper", caliper);
   c.metric("profiles_per_caliper", profiles);
   c.metric("residual", k.residual);
-  if (options.method != Method::Analytic) c.metric("orientations", static_cast<double>(used));
+  if (options.method != Method::Analytic) c.metric("orientations", used);
   const Shapes& shapes = c.input<Shapes>("shapes");
   double sum = 0;
   for (const Shape& s : shapes.shapes) sum += s.probability;

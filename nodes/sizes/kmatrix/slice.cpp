@@ -23,7 +23,7 @@ constexpr std::size_t kManyTriangles = 1000;
 // periodic across them. That is better by a factor of three for a thousand directions of a rounded body, and
 // worse for many directions of a sharp one.
 Vec3 direction(std::size_t i, bool folded) {
-  const auto k = static_cast<double>(i + 1);
+  const double k = i + 1;
   const double t = std::fmod(0.5 + 0.7548776662466927 * k, 1.0), x = folded ? std::abs(2 * t - 1) : t,
                y = std::fmod(0.5 + 0.5698402909980532 * k, 1.0);
   const double r = std::sqrt(1 - x * x), phi = 2 * std::numbers::pi * y;
@@ -128,7 +128,10 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
             sweep_all(DepthSweep(shape.mesh), area);
           return h;
         },
-        [](Histogram a, const Histogram& b) { return a += b, std::move(a); });
+        [](Histogram a, const Histogram& b) {
+          a += b;
+          return std::move(a);
+        });
   };
 
   SectionStatistics s;
@@ -144,7 +147,8 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
     const std::size_t all = adaptive ? 2 * half : std::max<std::size_t>(orientations, 2);
     const auto before = sum.depth;
     sum += run(half, all, adaptive ? work : work.part(0.5, 1));
-    s.orientations = all, s.residual = largest_change(before, sum.depth, classes);
+    s.orientations = all;
+    s.residual = largest_change(before, sum.depth, classes);
     if (!adaptive || s.residual <= (many ? kManyTolerance : kTolerance) || all >= kMostOrientations) break;
     half = all;
   }
@@ -155,7 +159,7 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
   s.mean_caliper = shape.mean_caliper;
   s.max_section_area = shape.max_section_area;
   s.volume = shape.volume;
-  s.profiles_per_caliper = convex ? 1 : depth / static_cast<double>(s.orientations) / shape.mean_caliper;
+  s.profiles_per_caliper = convex ? 1 : depth / s.orientations / shape.mean_caliper;
   return s;
 }
 

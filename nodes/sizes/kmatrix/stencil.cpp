@@ -33,15 +33,16 @@ Quat to_view_axis(const Vec3& u) {
 // Directions and depths come from one quasi-random sequence in three dimensions (Roberts 2018). The rotation
 // about the view axis is random, so that the pixels have no fixed alignment with the body.
 Planned plan(const Mesh& mesh, std::size_t i) {
-  const auto at = [i](double step, double start) {
-    return std::fmod(start + step * static_cast<double>(i + 1), 1.0);
-  };
+  const auto at = [i](double step, double start) { return std::fmod(start + step * (i + 1), 1.0); };
   const double z = std::abs(2 * at(0.8191725133961645, 0.5) - 1),
                phi = 2 * std::numbers::pi * at(0.6710436067037893, 0.5);
   const double r = std::sqrt(1 - z * z);
   const Vec3 u(r * std::cos(phi), r * std::sin(phi), z);
   double lo = u.dot(mesh.vertices[0]), hi = lo;
-  for (const Vec3& v : mesh.vertices) lo = std::min(lo, u.dot(v)), hi = std::max(hi, u.dot(v));
+  for (const Vec3& v : mesh.vertices) {
+    lo = std::min(lo, u.dot(v));
+    hi = std::max(hi, u.dot(v));
+  }
   const double turn = Random(1, 0, i).uniform(0, 2 * std::numbers::pi);
   const Quat rotation = Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ())) * to_view_axis(u);
   return {{rotation, lo + (hi - lo) * at(0.5497004779019703, 0.5)}, hi - lo};
@@ -93,7 +94,7 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
   double width = 0;
   for (std::size_t begin = 0; begin < count; begin += StencilSlicer::kSlices) {
     work.check();
-    work.progress(static_cast<double>(begin) / static_cast<double>(count));
+    work.progress(static_cast<double>(begin) / count);
     const std::size_t n = std::min<std::size_t>(StencilSlicer::kSlices, count - begin);
     std::vector<SlicePlane> planes;
     std::vector<double> widths;
@@ -104,15 +105,14 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
     slicer.draw(planes);
     std::vector<std::vector<std::int64_t>> found(n);
     work.quiet().parallel(n, 8, [&](std::size_t from, std::size_t to) {
-      for (std::size_t i = from; i < to; ++i) found[i] = profiles_of(slicer, static_cast<int>(i), body);
+      for (std::size_t i = from; i < to; ++i) found[i] = profiles_of(slicer, i, body);
     });
     for (std::size_t i = 0; i < n; ++i) {
       width += widths[i];
       for (const std::int64_t pixels : found[i]) {
-        const double s =
-            std::sqrt(static_cast<double>(pixels) * slicer.pixel_area() / shape.max_section_area);
+        const double s = std::sqrt(pixels * slicer.pixel_area() / shape.max_section_area);
         const int bin = std::clamp(static_cast<int>(std::ceil(s * kSectionBins)) - 1, 0, kSectionBins - 1);
-        sum[static_cast<std::size_t>(bin)] += widths[i];
+        sum[bin] += widths[i];
       }
       if (begin + i + 1 == count / 2) half = sum;
     }

@@ -80,7 +80,7 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
                 GL_STATIC_DRAW);
   gl.EnableVertexAttribArray(0);
   gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
-  gl.indices = static_cast<GLsizei>(3 * mesh.triangles.size());
+  gl.indices = 3 * mesh.triangles.size();
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
   gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Triangle)),
                 mesh.triangles.data(), GL_STATIC_DRAW);
@@ -138,8 +138,8 @@ void StencilSlicer::draw(const std::vector<SlicePlane>& planes) {
 }
 
 const std::uint8_t* StencilSlicer::row(int slice, int y) const {
-  const std::size_t line = static_cast<std::size_t>(slice / kColumns) * kTile + static_cast<std::size_t>(y);
-  return stencil_.data() + (line * kColumns + static_cast<std::size_t>(slice % kColumns)) * kTile;
+  const std::size_t line = static_cast<std::size_t>(slice / kColumns) * kTile + y;
+  return stencil_.data() + (line * kColumns + (slice % kColumns)) * kTile;
 }
 
 }  // namespace terrazzo::kmatrix

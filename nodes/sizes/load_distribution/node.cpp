@@ -8,8 +8,8 @@ namespace {
 
 void compute(Context& c) {
   SizeDistribution d = read_distribution(json_text_in(c), c.files("path")[0].string());
-  c.metric("entries", static_cast<double>(d.shapes.size()));
-  c.metric("classes", static_cast<double>(d.classes()));
+  c.metric("entries", d.shapes.size());
+  c.metric("classes", d.classes());
   c.metric("volume_fraction", d.volume_fraction);
   c.metric("d_max", d.d_max);
   c.output("distribution", std::move(d));

@@ -16,8 +16,11 @@ constexpr int kMostInt = std::numeric_limits<int>::max();
 
 SizeDistribution::Entry entry_of(const JsonObject& o, std::size_t classes) {
   SizeDistribution::Entry e;
-  e.shape = o.whole("shape", -1, kMostInt), e.cls = o.whole("class", 0, kMostInt);
-  e.N_V = o.numbers("N_V", 0), e.low = o.numbers("low", 0), e.high = o.numbers("high", 0);
+  e.shape = o.whole("shape", -1, kMostInt);
+  e.cls = o.whole("class", 0, kMostInt);
+  e.N_V = o.numbers("N_V", 0);
+  e.low = o.numbers("low", 0);
+  e.high = o.numbers("high", 0);
   for (const auto* list : {&e.N_V, &e.low, &e.high})
     if (list->size() != classes)
       o.fail(fmt::format("has {} numbers for {} size classes", list->size(), classes));

@@ -8,7 +8,7 @@ namespace {
 
 void compute(Context& c) {
   KMatrix k = read_kmatrix(json_text_in(c), c.files("path")[0].string());
-  c.metric("shapes", static_cast<double>(k.shapes.size()));
+  c.metric("shapes", k.shapes.size());
   c.metric("classes", k.classes);
   c.output("kmatrix", std::move(k));
 }

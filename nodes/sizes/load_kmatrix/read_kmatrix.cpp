@@ -21,7 +21,7 @@ KMatrix::Entry entry_of(const JsonObject& o, int classes) {
   e.max_section_area = o.number("max_section_area", JsonObject::kSmallest);
   e.volume = o.number("volume", JsonObject::kSmallest);
   e.profiles_per_caliper = o.number("profiles_per_caliper", JsonObject::kSmallest);
-  const auto n = static_cast<std::size_t>(classes);
+  const std::size_t n = classes;
   const Json& rows = o.field("K");
   o.require_size("K", rows, n);
   for (const Json& row : rows) o.require_size("K", row, n);

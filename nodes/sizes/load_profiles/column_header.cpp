@@ -18,7 +18,7 @@ void replace_all(std::string& text, std::string_view what, std::string_view by) 
 std::string simplified(std::string_view text) {
   std::string out(text);
   for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c >= 'A' && c <= 'Z') c = c - 'A' + 'a';
   static constexpr std::pair<std::string_view, std::string_view> signs[] = {
       {"µ", "u"},        {"μ", "u"},        {"Μ", "u"}, {"²", "2"},     {"³", "3"},
       {"Å", "angstrom"}, {"å", "angstrom"}, {"×", "x"}, {"\u00a0", " "}};
@@ -65,7 +65,10 @@ std::optional<Unit> simplified_unit(std::string text) {
   std::string dense;
   for (const char c : text)
     if (std::string_view(" \t^*{}_.").find(c) == std::string_view::npos) dense += c;
-  if (dense.starts_with("sq")) dense.erase(0, 2), power = 2;
+  if (dense.starts_with("sq")) {
+    dense.erase(0, 2);
+    power = 2;
+  }
   if (!dense.empty() && dense.back() >= '1' && dense.back() <= '3') {
     power = dense.back() - '0';
     dense.pop_back();

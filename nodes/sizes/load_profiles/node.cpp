@@ -76,7 +76,7 @@ void compute(Context& c) {
           .parameter("observed_area");
     all.area_fraction = std::min(1.0, sum / all.observed_area);
   }
-  c.metric("profiles", static_cast<double>(all.profiles.size()));
+  c.metric("profiles", all.profiles.size());
   c.metric("area", sum);
   c.output("profiles", std::move(all));
 }

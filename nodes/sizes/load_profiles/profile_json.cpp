@@ -12,7 +12,8 @@ constexpr int kLargest = 1'000'000'000;  // of sections and classes
 
 Profile profile_of(const JsonObject& o) {
   Profile p;
-  p.section = o.whole("section", 0, kLargest), p.cls = o.whole("class", 0, kLargest);
+  p.section = o.whole("section", 0, kLargest);
+  p.cls = o.whole("class", 0, kLargest);
   p.area = o.number("area", JsonObject::kSmallest);
   p.centroid = o.vector<Vec2>("centroid");
   p.touches_border = o.boolean("touches_border");
@@ -39,7 +40,8 @@ Profiles read_profiles_json(const std::string& text, const std::string& file) {
   const JsonObject all(json, source);
   Profiles out;
   out.observed_area = all.number("observed_area", 0);
-  out.sections = all.whole("sections", 0, kLargest), out.classes = all.whole("classes", 0, kLargest);
+  out.sections = all.whole("sections", 0, kLargest);
+  out.classes = all.whole("classes", 0, kLargest);
   out.window = all.vector<Vec2>("window");
   out.binder_color = all.vector<Vec3f>("binder_color");
   out.area_fraction = all.number("area_fraction", 0, 1);

@@ -87,10 +87,11 @@ Mixture mix(const std::vector<const SizeDistribution*>& distributions,
       classes = std::max(classes, e.cls + 1);
       for (const double v : e.N_V) number += v;
     }
-    const auto first_shape = static_cast<int>(out.shapes.shapes.size());
+    const int first_shape = out.shapes.shapes.size();
     const auto add = [&](const SizeDistribution::Entry& e, int shape, double share) {
       SizeDistribution::Entry& own = all.shapes.emplace_back();
-      own.shape = first_shape + shape, own.cls = first_class + e.cls;
+      own.shape = first_shape + shape;
+      own.cls = first_class + e.cls;
       own.N_V = divided(e.N_V, d.class_edges, all.class_edges, share);
       own.low = divided(e.low, d.class_edges, all.class_edges, share);
       own.high = divided(e.high, d.class_edges, all.class_edges, share);

@@ -12,7 +12,7 @@ void compute(Context& c) {
   for (const Value& v : c.list("shapes")) sets.push_back(&v.as<Shapes>());
   Mixture all = mix(distributions, sets);
   c.metric("volume_fraction", all.distribution.volume_fraction);
-  c.metric("shapes", static_cast<double>(all.shapes.shapes.size()));
+  c.metric("shapes", all.shapes.shapes.size());
   c.output("distribution", std::move(all.distribution));
   c.output("shapes", std::move(all.shapes));
 }

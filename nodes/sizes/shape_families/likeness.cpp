@@ -16,15 +16,19 @@ double gaussian(double z) { return std::exp(-0.5 * z * z); }
 
 Likeness::Likeness(const Shapes& shapes) {
   double mean = 0, probability = 0;
-  for (const Shape& s : shapes.shapes) mean += s.probability * s.size(), probability += s.probability;
+  for (const Shape& s : shapes.shapes) {
+    mean += s.probability * s.size();
+    probability += s.probability;
+  }
   mean /= probability;
   std::vector<double> logs;
   for (const Shape& s : shapes.shapes) logs.push_back(std::log(s.size() / mean));
   const auto [least, most] = std::minmax_element(logs.begin(), logs.end());
-  low_ = *least, high_ = *most;
+  low_ = *least;
+  high_ = *most;
   if (high_ - low_ < kEqualSizes) return;
   for (std::size_t i = 0; i <= kNodes; ++i) {
-    const double at = low_ + (high_ - low_) * static_cast<double>(i) / kNodes;
+    const double at = low_ + (high_ - low_) * i / kNodes;
     double sum = 0;
     for (std::size_t k = 0; k < logs.size(); ++k)
       sum += shapes.shapes[k].probability / probability * gaussian((at - logs[k]) / kDeviation);
@@ -37,7 +41,7 @@ double Likeness::operator()(double shape_size, double particle_size) const {
   const double at = std::clamp(std::log(particle_size), low_, high_);
   const double u = (at - low_) / (high_ - low_) * kNodes;
   const auto i = std::min(static_cast<std::size_t>(u), kNodes - 1);
-  const double f = u - static_cast<double>(i), normal = (1 - f) * normal_[i] + f * normal_[i + 1];
+  const double f = u - i, normal = (1 - f) * normal_[i] + f * normal_[i + 1];
   return gaussian((at - std::log(shape_size)) / kDeviation) / normal;
 }
 

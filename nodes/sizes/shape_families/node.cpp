@@ -52,7 +52,7 @@ Image figure_of(const std::vector<Family>& families, const Scores& scores) {
   PlotSeries unlikely{PlotSeries::Kind::Bars, "not plausible", {}, {}, {}, {}, 1};
   for (std::size_t f = 0; f < families.size(); ++f) {
     const FamilyScore& s = scores.families[f];
-    const auto x = static_cast<double>(f);
+    const double x = f;
     behind.x.push_back(x), behind.y.push_back(s.behind);
     behind.low.push_back(s.behind - 2 * s.error), behind.high.push_back(s.behind + 2 * s.error);
     PlotSeries& bars = s.plausible ? likely : unlikely;
@@ -104,21 +104,21 @@ void warn_of_disagreement(Context& c, const std::vector<Family>& families, const
 void compute(Context& c) {
   const std::vector<Family> families = families_of(c);
   ScoreSettings s;
-  s.folds = static_cast<int>(c.integer("folds"));
-  s.sections = static_cast<std::size_t>(c.integer("sections"));
+  s.folds = c.integer("folds");
+  s.sections = c.integer("sections");
   if (const auto v = c.optional_number("smallest_visible")) s.smallest_visible = *v;
-  s.bootstrap = static_cast<int>(c.integer("bootstrap"));
+  s.bootstrap = c.integer("bootstrap");
   s.seed = c.seed();
   const Scores scores = score_families(c.input<Profiles>("profiles"), families, s, c.work());
   if (scores.outlines == 0)
     c.warn(
         "no profile has an outline that can be measured, so only sizes are compared; they say little about "
         "shapes");
-  c.metric("profiles", static_cast<double>(scores.profiles));
-  c.metric("outlines", static_cast<double>(scores.outlines));
-  c.metric("best", static_cast<double>(scores.best));
-  c.metric("plausible", static_cast<double>(std::count_if(scores.families.begin(), scores.families.end(),
-                                                          [](const auto& f) { return f.plausible; })));
+  c.metric("profiles", scores.profiles);
+  c.metric("outlines", scores.outlines);
+  c.metric("best", scores.best);
+  c.metric("plausible", std::count_if(scores.families.begin(), scores.families.end(),
+                                      [](const auto& f) { return f.plausible; }));
   warn_of_disagreement(c, families, scores);
   c.output("table", table_of(families, scores));
   c.output("figure", figure_of(families, scores));

@@ -40,8 +40,9 @@ struct SizeDensity {
   double mean() const {  // size, by number
     double sum = 0, sizes = 0;
     for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
-      const double n = density[static_cast<Eigen::Index>(k)] * (edges[k + 1] - edges[k]);
-      sum += n, sizes += n * (edges[k] + edges[k + 1]) / 2;
+      const double n = density[k] * (edges[k + 1] - edges[k]);
+      sum += n;
+      sizes += n * (edges[k] + edges[k + 1]) / 2;
     }
     return sum > 0 ? sizes / sum : 0;
   }
@@ -64,7 +65,7 @@ struct Spread {
 
 Spread spread_of(const std::vector<Features>& values) {
   Spread s;
-  const auto n = static_cast<double>(values.size());
+  const double n = values.size();
   for (std::size_t k = 0; k < kFeatures; ++k) {
     double sum = 0, squares = 0;
     for (const Features& v : values) sum += v[k];
@@ -163,8 +164,7 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
     const VectorXd seen = model.fine * fit.density;
     SizeDensity particles{model.sizes, fit.density};
     for (Eigen::Index j = 0; j < fit.density.size(); ++j)
-      particles.density[j] /=
-          model.sizes[static_cast<std::size_t>(j) + 1] - model.sizes[static_cast<std::size_t>(j)];
+      particles.density[j] /= model.sizes[static_cast<std::size_t>(j) + 1] - model.sizes[j];
     work.part(at(0.6), at(1)).parallel(profiles.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Predicted& p = profiles[i];
@@ -173,8 +173,7 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
         const auto k = std::upper_bound(model.profiles.begin(), model.profiles.end(), p.size) -
                        model.profiles.begin() - 1;
         const auto bin = std::clamp<std::ptrdiff_t>(k, 0, seen.size() - 1);
-        const double width =
-            model.profiles[static_cast<std::size_t>(bin) + 1] - model.profiles[static_cast<std::size_t>(bin)];
+        const double width = model.profiles[static_cast<std::size_t>(bin) + 1] - model.profiles[bin];
         out.size[i] = std::log((1 - kAnySize) * seen[bin] / (seen.sum() * width) + kAnySize / range);
         if (p.outline)
           out.outline[i] = std::log((1 - kAnyOutline) * outlines.at(p.size, *p.outline, particles) +
@@ -192,7 +191,7 @@ void deal_folds(std::vector<Predicted>& profiles, int folds, std::uint64_t seed)
   Random random(seed, 0xfa01);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
   for (std::size_t i = 0; i < order.size(); ++i)
-    profiles[order[i]].fold = static_cast<int>(i % static_cast<std::size_t>(folds));
+    profiles[order[i]].fold = i % static_cast<std::size_t>(folds);
 }
 
 void add_densities(FamilyScore& out, const unfolding::UnfoldResult& r) {
@@ -200,7 +199,9 @@ void add_densities(FamilyScore& out, const unfolding::UnfoldResult& r) {
   double sizes = 0;
   for (const auto& e : d.shapes)
     for (std::size_t k = 0; k < e.N_V.size(); ++k) {
-      out.N_V += e.N_V[k], out.low += e.low[k], out.high += e.high[k];
+      out.N_V += e.N_V[k];
+      out.low += e.low[k];
+      out.high += e.high[k];
       sizes += e.N_V[k] * (d.class_edges[k] + d.class_edges[k + 1]) / 2;
     }
   out.mean_size = out.N_V > 0 ? sizes / out.N_V : 0;
@@ -221,7 +222,10 @@ void compare(Scores& scores, const std::vector<Predictions>& predictions,
     FamilyScore& s = scores.families[f];
     s.sizes = mean([&](std::size_t i) { return predictions[f].size[i]; });
     s.outlines = mean([&](std::size_t i) { return predictions[f].outline[i]; });
-    if (s.sizes + s.outlines > best) best = s.sizes + s.outlines, scores.best = f;
+    if (s.sizes + s.outlines > best) {
+      best = s.sizes + s.outlines;
+      scores.best = f;
+    }
   }
   for (std::size_t f = 0; f < predictions.size(); ++f) {
     FamilyScore& s = scores.families[f];
@@ -252,15 +256,17 @@ Scores score_families(const Profiles& profiles, const std::vector<Family>& famil
   for (Profile& p : pooled.profiles) p.cls = 0;
   pooled.classes = 1;
   unfolding::UnfoldOptions options;
-  options.smallest_visible = s.smallest_visible, options.bootstrap = s.bootstrap, options.seed = s.seed;
+  options.smallest_visible = s.smallest_visible;
+  options.bootstrap = s.bootstrap;
+  options.seed = s.seed;
 
   Scores out;
   std::vector<Predictions> predictions;
   std::vector<Predicted> used;
   Spread all;
-  const auto n = static_cast<double>(families.size());
+  const double n = families.size();
   for (std::size_t f = 0; f < families.size(); ++f) {
-    const auto at = [&](double t) { return (static_cast<double>(f) + t) / n; };
+    const auto at = [&](double t) { return (f + t) / n; };
     const unfolding::UnfoldResult full =
         unfolding::unfold(pooled, *families[f].kmatrix, options, work.part(at(0), at(0.4)));
     const unfolding::Observation& q = full.observations.classes.front();
@@ -277,7 +283,8 @@ Scores score_families(const Profiles& profiles, const std::vector<Family>& famil
       for (const Predicted& p : used)
         if (p.outline) values.push_back(p.outline->features);
       if (!values.empty()) all = spread_of(values);
-      out.profiles = used.size(), out.outlines = values.size();
+      out.profiles = used.size();
+      out.outlines = values.size();
       out.relative = full.observations.relative;
     }
     add_densities(out.families.emplace_back(), full);

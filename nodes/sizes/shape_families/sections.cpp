@@ -41,7 +41,8 @@ FamilySections family_sections(const Shapes& shapes, std::size_t count, std::uin
                                const Work& work) {
   double mean = 0, probability = 0, hits = 0;
   for (const Shape& s : shapes.shapes) {
-    mean += s.probability * s.size(), probability += s.probability;
+    mean += s.probability * s.size();
+    probability += s.probability;
     hits += s.probability * s.mean_caliper / s.size();
   }
   mean /= probability;
@@ -52,10 +53,8 @@ FamilySections family_sections(const Shapes& shapes, std::size_t count, std::uin
   // of the sections, rounded so that all shares add up.
   double before = 0;
   for (const Shape& s : shapes.shapes) {
-    const double after =
-        before + s.probability * s.mean_caliper / s.size() / hits * static_cast<double>(count);
-    const std::size_t first = static_cast<std::size_t>(std::llround(before)),
-                      last = static_cast<std::size_t>(std::llround(after));
+    const double after = before + s.probability * s.mean_caliper / s.size() / hits * count;
+    const std::size_t first = std::llround(before), last = std::llround(after);
     before = after;
     if (last == first) continue;
     Shapes one;

@@ -13,7 +13,8 @@ struct Split {
 Split split_at(const unfolding::UnfoldResult& r) {
   Split s;
   for (const auto& f : r.fits) {
-    s.first += f.density[0], s.others += f.density.sum() - f.density[0];
+    s.first += f.density[0];
+    s.others += f.density.sum() - f.density[0];
     s.first_volume += r.model.volume[0] * f.density[0];
   }
   return s;
@@ -28,7 +29,9 @@ std::optional<LimitSensitivity> limit_sensitivity(const Profiles& profiles, cons
   const Split whole = split_at(r);
   if (!(whole.first + whole.others > 0) || !(whole.others > 0)) return {};
   unfolding::UnfoldOptions fewer = options;
-  fewer.bootstrap = 0, fewer.classes = r.model.equal, fewer.d_max = r.distribution.d_max;
+  fewer.bootstrap = 0;
+  fewer.classes = r.model.equal;
+  fewer.d_max = r.distribution.d_max;
   fewer.smallest_visible = r.model.profile_edges[1];
   double fraction = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;

@@ -41,10 +41,13 @@ Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
                "volume passing"};
   for (std::size_t c = 0; c < r.fits.size(); ++c)
     for (int j = 0; j < r.model.visible(); ++j) {
-      const auto k = static_cast<std::size_t>(r.model.first + j);
+      const std::size_t k = r.model.first + j;
       double low = 0, high = 0;
       for (const auto& e : r.distribution.shapes)
-        if (e.cls == static_cast<int>(c)) low += e.low[k], high += e.high[k];
+        if (e.cls == static_cast<int>(c)) {
+          low += e.low[k];
+          high += e.high[k];
+        }
       auto& row = t.rows.emplace_back();
       for (const double v :
            {static_cast<double>(c), r.distribution.class_edges[k], r.distribution.class_edges[k + 1],
@@ -57,19 +60,28 @@ Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
 
 Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
   Plot areas, volumes, sieve;
-  areas.title = "Profiles per area", areas.x_label = "size of the profile, mm";
+  areas.title = "Profiles per area";
+  areas.x_label = "size of the profile, mm";
   areas.y_label = fmt::format("N_A, {}", unit_of_areas(r));
-  volumes.title = "Particles per volume", volumes.x_label = "size of the particle, mm";
+  volumes.title = "Particles per volume";
+  volumes.x_label = "size of the particle, mm";
   volumes.y_label = fmt::format("N_V, {}", unit_of_volumes(r));
   PlotSeries observed{PlotSeries::Kind::Bars, "observed", {}, {}, {}, {}, 0};
   PlotSeries refitted{PlotSeries::Kind::Bars, "refitted", {}, {}, {}, {}, 1};
   PlotSeries density{PlotSeries::Kind::Bars, "", {}, {}, {}, {}, 2};
   for (int j = 0; j < r.model.visible(); ++j) {
-    const auto k = static_cast<std::size_t>(r.model.first + j);
+    const std::size_t k = r.model.first + j;
     const double x = (r.model.edges[k] + r.model.edges[k + 1]) / 2;
     double a = 0, b = 0, v = 0, low = 0, high = 0;
-    for (const auto& f : r.fits) a += f.observed[j], b += f.refitted[j], v += f.density[j];
-    for (const auto& e : r.distribution.shapes) low += e.low[k], high += e.high[k];
+    for (const auto& f : r.fits) {
+      a += f.observed[j];
+      b += f.refitted[j];
+      v += f.density[j];
+    }
+    for (const auto& e : r.distribution.shapes) {
+      low += e.low[k];
+      high += e.high[k];
+    }
     observed.x.push_back(x), observed.y.push_back(a);
     refitted.x.push_back(x), refitted.y.push_back(b);
     density.x.push_back(x), density.y.push_back(v);
@@ -77,10 +89,11 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
   }
   areas.series = {observed, refitted};
   volumes.series = {density};
-  sieve.title = "Sieve curve", sieve.x_label = "size of the particle, mm",
+  sieve.title = "Sieve curve";
+  sieve.x_label = "size of the particle, mm";
   sieve.y_label = "share of volume that passes";
   PlotSeries passing{PlotSeries::Kind::Line, "", {}, {}, {}, {}, 2};
-  for (std::size_t k = static_cast<std::size_t>(r.model.first); k <= summary.volume_passing.size(); ++k)
+  for (std::size_t k = r.model.first; k <= summary.volume_passing.size(); ++k)
     passing.x.push_back(r.model.edges[k]), passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
   sieve.series = {passing};
   return draw({areas, volumes, sieve}, 3);
@@ -107,13 +120,13 @@ void warn_of_shapes(Context& c, const UnfoldResult& r, const KMatrix& kmatrix) {
 void compute(Context& c) {
   UnfoldOptions o;
   o.method = c.choice<unfolding::Method>("method");
-  if (const auto v = c.optional_integer("classes")) o.classes = static_cast<int>(*v);
+  if (const auto v = c.optional_integer("classes")) o.classes = *v;
   if (const auto v = c.optional_number("smallest_visible")) o.smallest_visible = *v;
   o.border = c.choice<Border>("border");
   if (const auto v = c.optional_number("d_max")) o.d_max = *v;
   o.area_fraction = c.number("area_fraction");
   o.types = c.choice<Types>("types");
-  o.bootstrap = static_cast<int>(c.integer("bootstrap"));
+  o.bootstrap = c.integer("bootstrap");
   o.seed = c.seed();
   const auto& profiles = c.input<Profiles>("profiles");
   const auto& kmatrix = c.input<KMatrix>("kmatrix");
@@ -121,7 +134,9 @@ void compute(Context& c) {
   double fraction = 0, negative = 0, freedom = 0, jumps = 0;
   for (const auto& q : r.observations.classes) fraction += q.area_fraction;
   for (const auto& f : r.fits) {
-    negative = std::max(negative, f.negative), freedom += f.freedom, jumps += f.jumps;
+    negative = std::max(negative, f.negative);
+    freedom += f.freedom;
+    jumps += f.jumps;
   }
   if (negative > 0)
     c.warn(fmt::format(
@@ -158,7 +173,7 @@ void compute(Context& c) {
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
   if (o.method == unfolding::Method::Em) c.metric("jumps", jumps);
-  c.metric("profiles_used", static_cast<double>(r.observations.used));
+  c.metric("profiles_used", r.observations.used);
   c.metric("area_fraction", fraction);
   c.metric("volume_fraction", r.distribution.volume_fraction);
   c.metric("d_max", r.distribution.d_max);

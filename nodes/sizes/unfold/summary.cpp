@@ -52,7 +52,9 @@ SizeSummary summarize(const SizeDistribution& d) {
   for (std::size_t j = 0; j < n; ++j) {
     const double a = d.class_edges[j], b = d.class_edges[j + 1], share = number[j] / s.N_V;
     const LogMoments m = log_moments(a, b);
-    s.mean += share * (a + b) / 2, log_mean += share * m.first, log_square += share * m.second;
+    s.mean += share * (a + b) / 2;
+    log_mean += share * m.first;
+    log_square += share * m.second;
     volume += s.volume_share[j] = number[j] * mean_cube(a, b);
     number[j] = share;
   }

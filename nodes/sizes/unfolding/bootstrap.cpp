@@ -9,16 +9,19 @@ namespace {
 int poisson_1(Random& random) {
   double u = random.uniform(), p = std::exp(-1.0);
   int k = 0;
-  while (u >= p && k < 50) u -= p, p /= ++k;
+  while (u >= p && k < 50) {
+    u -= p;
+    p /= ++k;
+  }
   return k;
 }
 
 double quantile(std::vector<double>& values, double q) {
   std::sort(values.begin(), values.end());
-  const double at = q * static_cast<double>(values.size() - 1);
+  const double at = q * (values.size() - 1);
   const auto i = static_cast<std::size_t>(at);
   const std::size_t j = std::min(i + 1, values.size() - 1);
-  return values[i] + (at - static_cast<double>(i)) * (values[j] - values[i]);
+  return values[i] + (at - i) * (values[j] - values[i]);
 }
 
 }  // namespace
@@ -33,7 +36,7 @@ Intervals bootstrap(const Observation& q, int sections, int repetitions, std::ui
   double area = 0;
   for (std::size_t i = 0; i < q.size.size(); ++i) area += q.weight[i] * q.size[i] * q.size[i];
   std::vector<Eigen::VectorXd> results(repetitions);
-  work.parallel(static_cast<std::size_t>(repetitions), 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(repetitions, 4, [&](std::size_t begin, std::size_t end) {
     std::vector<double> weight(q.size.size());
     std::vector<int> times(by_section ? sections : 0);
     for (std::size_t r = begin; r < end; ++r) {
@@ -41,7 +44,7 @@ Intervals bootstrap(const Observation& q, int sections, int repetitions, std::ui
       Random random(seed, stream, r);
       if (by_section) {
         std::fill(times.begin(), times.end(), 0);
-        for (int s = 0; s + 1 < sections; ++s) ++times[random.below(static_cast<std::uint64_t>(sections))];
+        for (int s = 0; s + 1 < sections; ++s) ++times[random.below(sections)];
       }
       double drawn = 0;
       for (std::size_t i = 0; i < weight.size(); ++i) {

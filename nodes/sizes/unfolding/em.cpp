@@ -16,7 +16,10 @@ constexpr double kDrop = 1.353;
 // Weighted profiles carry less information, by the factor Σw²/Σw: counts and exposure are both divided by it.
 double mean_weight(const Observation& q) {
   double sum = 0, squares = 0;
-  for (const double w : q.weight) sum += w, squares += w * w;
+  for (const double w : q.weight) {
+    sum += w;
+    squares += w * w;
+  }
   return sum > 0 ? squares / sum : 1;
 }
 
@@ -29,7 +32,8 @@ SmoothPoissonProblem problem_of(const EmModel& m, const Observation& q, const st
   p.counts = count(q.size, weights, m.profiles).sum / unit;
   if (const double fraction = q.area_fraction * area_ratio; fraction > 0) {
     p.total = m.volume.cwiseProduct(m.width);
-    p.known_total = fraction, p.known_error = area_error;
+    p.known_total = fraction;
+    p.known_error = area_error;
   }
   return p;
 }

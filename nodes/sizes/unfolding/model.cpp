@@ -47,8 +47,7 @@ std::vector<double> division(double low, double high, const std::vector<double>&
     const double edge = low * std::pow(high / low, i / parts);
     const auto below =
         std::count_if(profiles.begin(), profiles.end(), [&](double s) { return s >= low && s <= edge; });
-    if (!inner.empty() || static_cast<double>(below * classes) >= static_cast<double>(profiles.size()))
-      inner.push_back(edge);
+    if (!inner.empty() || static_cast<double>(below * classes) >= profiles.size()) inner.push_back(edge);
   }
   return inner;
 }
@@ -102,8 +101,10 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
                               sizes[j], sizes[j + 1], smallest_visible),
                   "check the shapes, or lower smallest_visible");
   double total = 0, unit = 0;
-  for (const auto& e : k.shapes)
-    total += e.probability, unit += e.probability * e.volume / std::pow(size_of(e), 3);
+  for (const auto& e : k.shapes) {
+    total += e.probability;
+    unit += e.probability * e.volume / std::pow(size_of(e), 3);
+  }
   m.volume.resize(m.visible());
   for (int j = 0; j < m.visible(); ++j) m.volume[j] = unit / total * mean_cube(sizes[j], sizes[j + 1]);
   return m;
@@ -118,7 +119,8 @@ Counts count(const std::vector<double>& sizes, const std::vector<double>& weight
     const auto at = std::lower_bound(edges.begin(), edges.end(), sizes[i]) - edges.begin();
     if (at > n || (at == 0 && sizes[i] < edges[0])) continue;
     const Eigen::Index k = std::max<Eigen::Index>(at - 1, 0);
-    c.sum[k] += weights[i], c.squares[k] += weights[i] * weights[i];
+    c.sum[k] += weights[i];
+    c.squares[k] += weights[i] * weights[i];
   }
   return c;
 }

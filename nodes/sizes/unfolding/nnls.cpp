@@ -26,7 +26,7 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& A_in, const Eigen::VectorXd& b) {
     for (std::size_t k = 0; k < columns.size(); ++k) F.col(static_cast<Eigen::Index>(k)) = A.col(columns[k]);
     const Eigen::VectorXd y = F.colPivHouseholderQr().solve(b);
     Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
-    for (std::size_t k = 0; k < columns.size(); ++k) z[columns[k]] = y[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < columns.size(); ++k) z[columns[k]] = y[k];
     return z;
   };
 
@@ -46,14 +46,18 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& A_in, const Eigen::VectorXd& b) {
       for (Eigen::Index j = 0; j < n; ++j) {
         if (!free[j] || z[j] > 0) continue;
         const double s = x[j] > 0 ? x[j] / (x[j] - z[j]) : 0;
-        if (leave < 0 || s < step) step = s, leave = j;
+        if (leave < 0 || s < step) {
+          step = s;
+          leave = j;
+        }
       }
       if (leave < 0) {
         x = z;
         break;
       }
       x += step * (z - x);
-      x[leave] = 0, free[leave] = 0;
+      x[leave] = 0;
+      free[leave] = 0;
       for (Eigen::Index j = 0; j < n; ++j)
         if (free[j] && x[j] < 0) x[j] = 0;
     }

@@ -51,7 +51,8 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
   double all = 0, counted = 0;
   for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
     const Profile& p = profiles.profiles[i];
-    all_area[p.cls] += p.area, all += p.area;
+    all_area[p.cls] += p.area;
+    all += p.area;
     const double weight = border == Border::Weights                      ? p.weight
                           : border == Border::Inside && p.touches_border ? 0
                                                                          : 1;
@@ -59,7 +60,8 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
       ++o.cut;
       continue;
     }
-    counted_area[p.cls] += weight * p.area, counted += weight * p.area;
+    counted_area[p.cls] += weight * p.area;
+    counted += weight * p.area;
     const double size = std::sqrt(4 * p.area / std::numbers::pi);
     if (size < smallest_visible) {
       ++o.hidden;

@@ -76,7 +76,10 @@ double climb(const Posterior& f, VectorXd& theta, MatrixXd& information, double 
       const double there = f.value(next, next_x, next_mu);
       if (there >= value - 1e-12) {
         gain = std::max(0.0, there - value);
-        theta = next, x.swap(next_x), mu.swap(next_mu), value = there;
+        theta = next;
+        x.swap(next_x);
+        mu.swap(next_mu);
+        value = there;
         damping = damping > 1e-9 ? damping / 10 : 0;
       } else {
         damping = damping > 0 ? 10 * damping : 0.01 * information.diagonal().maxCoeff();

@@ -33,7 +33,10 @@ class Likelihood {
       if (const double length = bend.norm(); length > 0) {
         const double s = std::max(1.0, first.norm() / length);
         const VectorXd far = step((x + 2 * s * first + s * s * bend).cwiseMax(0.1 * b));
-        if (const double other = value(far); other > there) next = far, there = other;
+        if (const double other = value(far); other > there) {
+          next = far;
+          there = other;
+        }
       }
       x = next;
       const double gain = there - best;
@@ -64,7 +67,7 @@ std::vector<char> may_be_empty(const Eigen::MatrixXd& A, const VectorXd& counts,
   for (std::size_t c = 0; c < empty.size(); ++c) {
     VectorXd without = x + 1e-3 * start;  // EM never leaves zero, so the other bins must start above it
     for (std::size_t j = 0; j < cls.size(); ++j)
-      if (cls[j] == static_cast<int>(c)) without[static_cast<Eigen::Index>(j)] = 0;
+      if (cls[j] == static_cast<int>(c)) without[j] = 0;
     empty[c] = without.sum() > 0 && f.climb(without, most - drop, work) >= most - drop;
   }
   return empty;

@@ -52,7 +52,7 @@ class Search {
   explicit Search(const SmoothPoissonProblem& p) : p_(p), level_(even_level(p)), bins_(p.A.cols()) {
     for (int order = 1; order <= kOrders; ++order) differences_.push_back(roughness(order, p.place));
   }
-  int bins() const { return static_cast<int>(bins_); }
+  int bins() const { return bins_; }
 
   // Fits all strengths of an order without breaks.
   Fits without_breaks(int order, const Work& work) const {
@@ -85,7 +85,8 @@ class Search {
         fits.push_back(fit(order, s, breaks, theta, 1e-4));
         const double e = fits.back().evidence;
         if (e < last || e < best - kHopeless) break;
-        theta = fits.back().theta, last = e;
+        theta = fits.back().theta;
+        last = e;
       }
     }
     return fits;
@@ -95,7 +96,7 @@ class Search {
   double log_prior(std::size_t breaks) const {
     double sum = std::log(1 - kAnother);
     for (std::size_t m = 0; m < breaks; ++m)
-      sum += std::log(kAnother * static_cast<double>(m + 1) / static_cast<double>(bins_ - 1 - m));
+      sum += std::log(kAnother * static_cast<double>(m + 1) / (bins_ - 1 - m));
     return sum;
   }
 
@@ -103,7 +104,10 @@ class Search {
                        double enough) const {
     const SmoothPrior prior = smooth_prior(order, differences_[order - 1], strength, breaks, level_);
     SmoothPoissonFit f;
-    f.order = order, f.strength = strength, f.breaks = breaks, f.theta = start;
+    f.order = order;
+    f.strength = strength;
+    f.breaks = breaks;
+    f.theta = start;
     MatrixXd information(bins_, bins_);
     const double value = climb(Posterior(p_, prior), f.theta, information, enough);
     const Eigen::LLT<MatrixXd> factor(information);
@@ -111,7 +115,7 @@ class Search {
     // With few counts, rounding can make the information singular. That is no evidence for or against this
     // prior, but its densities are unusable.
     if (!std::isfinite(f.evidence)) f.evidence = kNever;
-    f.freedom = static_cast<double>(bins_) - factor.solve(prior.precision).trace();
+    f.freedom = bins_ - factor.solve(prior.precision).trace();
     return f;
   }
 
@@ -194,7 +198,10 @@ VectorXd draw_density(const SmoothPoissonProblem& p, const std::vector<SmoothPoi
                       Random& random) {
   double u = random.uniform();
   std::size_t k = 0;
-  while (k + 1 < fits.size() && u >= fits[k].weight) u -= fits[k].weight, ++k;
+  while (k + 1 < fits.size() && u >= fits[k].weight) {
+    u -= fits[k].weight;
+    ++k;
+  }
   const SmoothPoissonFit& fit = fits[k];
   const SmoothPrior prior = smooth_prior(fit.order, roughness(fit.order, p.place), kRougher * fit.strength,
                                          fit.breaks, even_level(p));

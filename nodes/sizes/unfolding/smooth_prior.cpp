@@ -28,8 +28,10 @@ Eigen::MatrixXd roughness(int order, const Eigen::VectorXd& place) {
 SmoothPrior smooth_prior(int order, const Eigen::MatrixXd& differences, double strength,
                          std::vector<int> breaks, double level) {
   SmoothPrior p;
-  p.order = order, p.strength = strength, p.level = level;
-  const auto bins = static_cast<int>(differences.cols());
+  p.order = order;
+  p.strength = strength;
+  p.level = level;
+  const int bins = differences.cols();
   p.D.resize(differences.rows(), bins);
   Eigen::Index rows = 0;
   for (int i = 0; i < differences.rows(); ++i)

@@ -48,8 +48,10 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     em = fit_em(*em_model, q, o.area, kFractionError, work.part(0, 0.3));
     fit.density = em_model->reclass * em.density;
     fit.refitted = em_model->coarse * em.density;
-    for (const auto& f : em.fits)
-      fit.freedom += f.weight * f.freedom, fit.jumps += f.weight * static_cast<double>(f.breaks.size());
+    for (const auto& f : em.fits) {
+      fit.freedom += f.weight * f.freedom;
+      fit.jumps += f.weight * f.breaks.size();
+    }
   } else {
     if (options.method == Method::Nnls) {
       fit.density = solve_nnls(m, counts, o.area, q.area_fraction, kFractionError);
@@ -59,7 +61,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
       fit.density = x.cwiseMax(0);
     }
     fit.refitted = m.matrix * fit.density;
-    fit.freedom = static_cast<double>((fit.density.array() > 0).count());
+    fit.freedom = (fit.density.array() > 0).count();
   }
   if (options.bootstrap == 0 || q.size.empty()) return out;
 
@@ -76,12 +78,10 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
   std::vector<char> empty(static_cast<std::size_t>(m.visible()), false);
   if (em_model) empty = may_be_empty(*em_model, em, q, o.area, work);
   for (int j = 0; j < m.visible(); ++j) {
-    auto& low = out.intervals.low[static_cast<std::size_t>(j)];
-    auto& high = out.intervals.high[static_cast<std::size_t>(j)];
+    auto& low = out.intervals.low[j];
+    auto& high = out.intervals.high[j];
     const double profile = 1 / (m.matrix.col(j).sum() * o.area);
-    low = empty[static_cast<std::size_t>(j)]
-              ? 0
-              : std::max(0.0, std::min(low, fit.density[j] - kBelow * profile));
+    low = empty[j] ? 0 : std::max(0.0, std::min(low, fit.density[j] - kBelow * profile));
     high = std::max(high, fit.density[j] + kAbove * profile);
   }
   return out;
@@ -95,21 +95,24 @@ void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, 
     const double share = k.shapes[s].probability / probability;
     if (!(share > 0)) continue;
     SizeDistribution::Entry e;
-    e.shape = static_cast<int>(s), e.cls = static_cast<int>(c);
+    e.shape = s;
+    e.cls = c;
     e.N_V.assign(static_cast<std::size_t>(m.classes()), 0);
-    for (int j = 0; j < m.visible(); ++j)
-      e.N_V[static_cast<std::size_t>(m.first + j)] = share * f.fit.density[j];
+    for (int j = 0; j < m.visible(); ++j) e.N_V[m.first + j] = share * f.fit.density[j];
     e.low = e.high = e.N_V;
     for (std::size_t j = 0; j < f.intervals.low.size(); ++j) {
-      e.low[static_cast<std::size_t>(m.first) + j] = share * f.intervals.low[j];
-      e.high[static_cast<std::size_t>(m.first) + j] = share * f.intervals.high[j];
+      e.low[m.first + j] = share * f.intervals.low[j];
+      e.high[m.first + j] = share * f.intervals.high[j];
     }
     out.shapes.push_back(std::move(e));
   }
 }
 
 void divide_densities(UnfoldResult& r, double by) {
-  for (auto& f : r.fits) f.density /= by, f.refitted /= by;
+  for (auto& f : r.fits) {
+    f.density /= by;
+    f.refitted /= by;
+  }
   for (auto& e : r.distribution.shapes)
     for (auto* values : {&e.N_V, &e.low, &e.high})
       for (double& v : *values) v /= by;
@@ -171,9 +174,9 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
   out.class_edges = m.edges;
   out.d_max = d_max;
   double chi2 = 0, freedom = 0;
-  const double count_of_classes = static_cast<double>(o.classes.size());
+  const double count_of_classes = o.classes.size();
   for (std::size_t c = 0; c < o.classes.size(); ++c) {
-    const auto at = [&](std::size_t i) { return 0.3 + 0.7 * static_cast<double>(i) / count_of_classes; };
+    const auto at = [&](std::size_t i) { return 0.3 + 0.7 * i / count_of_classes; };
     const KMatrix own = kmatrix_of(k, options.types, c);
     const UnfoldModel model =
         depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles) : m;
@@ -181,7 +184,10 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
       const double expected = f.fit.refitted[i] * o.area, seen = f.fit.observed[i] * o.area;
-      if (expected > 0) chi2 += std::pow(seen - expected, 2) / std::max(expected, 1.0), ++freedom;
+      if (expected > 0) {
+        chi2 += std::pow(seen - expected, 2) / std::max(expected, 1.0);
+        ++freedom;
+      }
     }
     freedom -= f.fit.freedom;
     out.volume_fraction += model.volume.dot(f.fit.density);

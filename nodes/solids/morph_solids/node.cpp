@@ -21,7 +21,7 @@ std::string text_of(const Vec3i& n) { return fmt::format("{} × {} × {}", n.x()
 
 // The field of weights that the parameters describe.
 Torus<float> weight_of(const Context& c, const Vec3i& size) {
-  const auto most = static_cast<float>(c.number("weight"));
+  const float most = c.number("weight");
   Torus<float> out(size, most);
   const int axis = c.choice<int>("along") - 1;
   if (axis < 0) return out;
@@ -78,12 +78,14 @@ void compute(Context& c) {
   FillSettings s;
   s.iterations.clear();
   for (const auto n : c.ints("iterations")) s.iterations.push_back(static_cast<int>(n));
-  s.exponent = c.number("exponent"), s.window = c.number("window"), s.overuse = c.number("overuse");
+  s.exponent = c.number("exponent");
+  s.window = c.number("window");
+  s.overuse = c.number("overuse");
   s.seed = c.seed();
   const FillResult r =
       morph(read_solid(a, box, "a"), read_solid(b, box, "b"), weight, s, c.work().part(0, 0.97));
   c.metric("levels", r.levels);
-  c.metric("synthesized", static_cast<double>(r.filled) / static_cast<double>(weight.at.size()));
+  c.metric("synthesized", static_cast<double>(r.filled) / weight.at.size());
   Volume volume;
   volume.resolution = box.size;
   add_vector_grid(volume, "Cd", box.size, box.spacing.x(), c.work().part(0.97, 1),

@@ -17,12 +17,14 @@ int within(int i, int n) { return i < n ? i : i - n; }
 std::vector<float> weights_of(const Matches& matches, const MatchLevel& level, double exponent) {
   double sum = 0, count = 0;
   for (std::size_t k = 0; k < matches.distance.size(); ++k)
-    if (level.use[k] == Use::Free) sum += matches.distance[k], ++count;
+    if (level.use[k] == Use::Free) {
+      sum += matches.distance[k];
+      ++count;
+    }
   const double floor = count > 0 && sum > 0 ? sum / count : 1;
   std::vector<float> out(matches.distance.size());
   for (std::size_t k = 0; k < out.size(); ++k)
-    if (level.use[k] != Use::None)
-      out[k] = static_cast<float>(std::pow(matches.distance[k] / floor + 1, (exponent - 2) / 2));
+    if (level.use[k] != Use::None) out[k] = std::pow(matches.distance[k] / floor + 1, (exponent - 2) / 2);
   return out;
 }
 
@@ -36,14 +38,14 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
                                                    weights_of(matches[1], levels[1], choice.exponent)};
   const auto cx = solids::patch_covers(n.x()), cy = solids::patch_covers(n.y()),
              cz = solids::patch_covers(n.z());
-  const float narrow = static_cast<float>(1 / (2 * choice.window * choice.window));
+  const float narrow = 1 / (2 * choice.window * choice.window);
   work.parallel(static_cast<std::size_t>(n.y()) * n.z(), 4, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3f> value;
     std::vector<float> share;
     for (std::size_t row = begin; row < end; ++row) {
-      const auto y = row % static_cast<std::size_t>(n.y()), z = row / static_cast<std::size_t>(n.y());
+      const auto y = row % n.y(), z = row / n.y();
       for (std::size_t x = 0; x < static_cast<std::size_t>(n.x()); ++x) {
-        const std::size_t here = row * static_cast<std::size_t>(n.x()) + x;
+        const std::size_t here = row * n.x() + x;
         const float w = weight.at[here];
         if (free.at[here] <= 0) continue;
         value.clear(), share.clear();
@@ -53,8 +55,7 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
           for (int k = 0; k < cz[z].count; ++k)
             for (int j = 0; j < cy[y].count; ++j)
               for (int i = 0; i < cx[x].count; ++i) {
-                const auto ui = static_cast<std::size_t>(i), uj = static_cast<std::size_t>(j),
-                           uk = static_cast<std::size_t>(k);
+                const std::size_t ui = i, uj = j, uk = k;
                 const std::size_t p =
                     (static_cast<std::size_t>(cz[z].patch[uk]) * patches.y() + cy[y].patch[uj]) *
                         patches.x() +
@@ -65,7 +66,8 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
                 value.push_back(levels[s].texture.at[levels[s].texture.index(
                     within(m.x + cx[x].offset[ui], n.x()), within(m.y + cy[y].offset[uj], n.y()),
                     within(m.z + cz[z].offset[uk], n.z()))]);
-                share.push_back(t), sum += t;
+                share.push_back(t);
+                sum += t;
               }
           const float scale = (s == 0 ? 1 - w : w) / sum;
           for (std::size_t i = from; i < share.size(); ++i) share[i] *= scale;
@@ -79,7 +81,8 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
             // A rational kernel: unlike a Gaussian it has weight wherever the mean starts.
             const float near = 1 / (1 + narrow * (value[i] - mean).squaredNorm());
             const float f = share[i] * near * near;
-            sum += f * value[i], total += f;
+            sum += f * value[i];
+            total += f;
           }
           mean = sum / total;
         }

@@ -13,10 +13,9 @@ namespace {
 // The rank of a value, 0 to 1. The middle of the ranks if the table has the value several times.
 double rank_of(const std::vector<float>& table, float value) {
   const auto [low, high] = std::equal_range(table.begin(), table.end(), value);
-  const auto last = static_cast<double>(table.size() - 1);
+  const double last = table.size() - 1;
   if (low != high)
-    return 0.5 * (static_cast<double>(low - table.begin()) + static_cast<double>(high - table.begin() - 1)) /
-           last;
+    return 0.5 * (static_cast<double>(low - table.begin()) + (high - table.begin() - 1)) / last;
   if (low == table.begin()) return 0;
   if (low == table.end()) return 1;
   const float before = *(low - 1), after = *low;
@@ -33,9 +32,10 @@ ColorMorph::Solid ColorMorph::measure(const std::vector<Vec3f>& colors, const ch
   for (std::size_t i = 0; i < colors.size(); ++i) {
     lab[i] = linear_to_oklab(colors[i]);
     const Vec3 c = lab[i].cast<double>();
-    mean += c, square += c * c.transpose();
+    mean += c;
+    square += c * c.transpose();
   }
-  const double n = static_cast<double>(colors.size());
+  const double n = colors.size();
   mean /= n;
   const Mat3 covariance = square / n - mean * mean.transpose();
   out.deviation = std::sqrt(std::max(0.0, covariance.trace()));
@@ -59,25 +59,25 @@ ColorMorph::ColorMorph(const std::vector<Vec3f>& a, const std::vector<Vec3f>& b)
       const Vec3f axis = solid_[s].axes.col(k).cast<float>();
       std::vector<float> values;
       for (const Vec3f& c : s == 0 ? a : b) values.push_back(axis.dot(linear_to_oklab(c) - solid_[s].mean));
-      solid_[s].values[static_cast<std::size_t>(k)] = quantiles_of(values);
+      solid_[s].values[k] = quantiles_of(values);
     }
   for (std::size_t k = 0; k < 3; ++k) {
     const Quantiles &qa = solid_[0].values[k], &qb = solid_[1].values[k];
     std::vector<float> middle(qa.at.size());
     for (std::size_t i = 0; i < middle.size(); ++i)
-      middle[i] = static_cast<float>(0.5 * (qa.at[i] / solid_[0].deviation + qb.at[i] / solid_[1].deviation));
+      middle[i] = 0.5 * (qa.at[i] / solid_[0].deviation + qb.at[i] / solid_[1].deviation);
     working_[k] = quantiles_of(middle);
     working_[k].at = std::move(middle);
-    working_[k].least = working_[k].at.front(), working_[k].most = working_[k].at.back();
+    working_[k].least = working_[k].at.front();
+    working_[k].most = working_[k].at.back();
   }
 }
 
 Vec3f ColorMorph::to_working(int solid, const Vec3f& linear) const {
-  const Solid& s = solid_[static_cast<std::size_t>(solid)];
+  const Solid& s = solid_[solid];
   const Vec3f values = s.axes.cast<float>().transpose() * (linear_to_oklab(linear) - s.mean);
   Vec3f out;
-  for (int k = 0; k < 3; ++k)
-    out[k] = working(k).of(rank_of(s.values[static_cast<std::size_t>(k)].at, values[k]));
+  for (int k = 0; k < 3; ++k) out[k] = working(k).of(rank_of(s.values[k].at, values[k]));
   return out;
 }
 
@@ -85,8 +85,8 @@ Vec3f ColorMorph::to_linear(const Vec3f& value, float w) const {
   Vec3f a, b;
   for (int k = 0; k < 3; ++k) {
     const double rank = rank_of(working(k).at, value[k]);
-    a[k] = solid_[0].values[static_cast<std::size_t>(k)].of(rank);
-    b[k] = solid_[1].values[static_cast<std::size_t>(k)].of(rank);
+    a[k] = solid_[0].values[k].of(rank);
+    b[k] = solid_[1].values[k].of(rank);
   }
   const Vec3f lab = (1 - w) * (solid_[0].mean + solid_[0].axes.cast<float>() * a) +
                     w * (solid_[1].mean + solid_[1].axes.cast<float>() * b);

@@ -23,7 +23,7 @@ std::vector<Use> uses(const Torus<float>& weight, const Torus<float>& free, int 
   const Vec3i n = weight.size, patches = (n.array() + 1) / 2;
   std::vector<Use> out(static_cast<std::size_t>(patches.x()) * patches.y() * patches.z(), Use::None);
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const auto p = static_cast<int>(k);
+    const int p = k;
     const Vec3i start(2 * (p % patches.x()), 2 * (p / patches.x() % patches.y()),
                       2 * (p / patches.x() / patches.y()));
     if (!tiles && ((start.array() + kPatch) > n.array()).any()) continue;
@@ -35,7 +35,8 @@ std::vector<Use> uses(const Torus<float>& weight, const Torus<float>& free, int 
           const std::size_t i = weight.index(wrapped(start.x() + x, n.x()), wrapped(start.y() + y, n.y()),
                                              wrapped(start.z() + z, n.z()));
           const float share = solid == 0 ? 1 - weight.at[i] : weight.at[i];
-          least = std::min(least, share), most = std::max(most, share);
+          least = std::min(least, share);
+          most = std::max(most, share);
           open |= free.at[i] > 0;
         }
     if (most > 0 && open) out[k] = guided && solid == 1 ? Use::Fixed : Use::Free;
@@ -76,7 +77,7 @@ void match_free(const std::array<Quantiles, 3>& target, const Torus<float>& free
   if (between.size() < kFewest) return;
   std::vector<float> values(between.size());
   for (int c = 0; c < 3; ++c) {
-    const Quantiles& q = target[static_cast<std::size_t>(c)];
+    const Quantiles& q = target[c];
     if (!(q.most > q.least)) continue;
     for (std::size_t k = 0; k < between.size(); ++k) values[k] = field.at[between[k]][c];
     match_values(values, q, work.quiet());
@@ -94,7 +95,7 @@ std::array<Quantiles, 3> targets(const Level& level) {
       for (const Vec3f& v : level.texture[s].at) values.push_back(v[c]);
       of[s] = quantiles_of(values);
     }
-    out[static_cast<std::size_t>(c)] = mixture({&of[0], &of[1]});
+    out[c] = mixture({&of[0], &of[1]});
   }
   return out;
 }
@@ -126,7 +127,7 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
   const bool guided = problem.sources == FillProblem::Sources::Guided;
   const Torus<float>& free = problem.free;
   const auto open = std::count_if(free.at.begin(), free.at.end(), [](float f) { return f > 0; });
-  out.filled = static_cast<std::size_t>(open);
+  out.filled = open;
   const ColorMorph colors(problem.a.at, problem.b.at);
   if (out.filled == 0) return out;
 
@@ -136,13 +137,13 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
       const int solid = problem.weight.at[i] < 0.5f ? 0 : 1;  // the one that a known voxel comes from
       finest.known.at[i] = colors.to_working(solid, problem.known.at[i]);
       for (int k = 0; k < 2; ++k) {
-        Vec3f& v = finest.texture[static_cast<std::size_t>(k)].at[i];
+        Vec3f& v = finest.texture[k].at[i];
         v = colors.to_working(k, v);
       }
     }
   });
   std::vector<Level> levels = pyramid(std::move(finest));
-  out.levels = static_cast<int>(levels.size());
+  out.levels = levels.size();
 
   std::array<Matches, 2> matches;
   Torus<Vec3f> field;
@@ -151,16 +152,12 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
   for (std::size_t l = 0; l < levels.size(); ++l) {
     const Level& level = levels[l];
     // A level takes eight times as long as the one below it.
-    const double done =
-        l == 0 ? 0 : std::pow(8.0, static_cast<double>(l) - static_cast<double>(levels.size()));
-    const Work on_level =
-        work.part(done, std::pow(8.0, static_cast<double>(l + 1) - static_cast<double>(levels.size())));
+    const double done = l == 0 ? 0 : std::pow(8.0, static_cast<double>(l) - levels.size());
+    const Work on_level = work.part(done, std::pow(8.0, static_cast<double>(l + 1) - levels.size()));
     const PatchSpace space(level.texture[0], level.texture[1], kDims, s.seed);
     const std::array<Quantiles, 3> target = targets(level);
     for (std::size_t solid = 0; solid < 2; ++solid) {
-      MatchLevel fine{level.texture[solid],
-                      {},
-                      uses(level.weight, level.free, static_cast<int>(solid), guided, problem.tiles)};
+      MatchLevel fine{level.texture[solid], {}, uses(level.weight, level.free, solid, guided, problem.tiles)};
       if (std::count(fine.use.begin(), fine.use.end(), Use::Free) > 0)
         fine.features = space.describe(fine.texture, 1, work.quiet());
       matches[solid] = l == 0 ? first_matches(fine, s.seed + solid)

@@ -65,8 +65,7 @@ void restore_detail(const std::array<Torus<Vec3f>, 2>& textures, const Torus<flo
     }
     Vec3f gain;
     for (int c = 0; c < 3; ++c)
-      gain[c] =
-          static_cast<float>(have[c] > 0 ? std::clamp(std::sqrt(want[c] / have[c]), 1.0, kMostGain) : 1);
+      gain[c] = have[c] > 0 ? std::clamp(std::sqrt(want[c] / have[c]), 1.0, kMostGain) : 1;
     for (std::size_t i = 0; i < weight.at.size(); ++i)
       if (free.at[i] > 0) field.at[i] += (gain.array() - 1).matrix().cwiseProduct(scales[k].at[i]);
   }

@@ -17,7 +17,7 @@ Place wrapped_place(int x, int y, int z, const Vec3i& n) {
 }
 
 Vec3i patch_place(std::size_t k, const Vec3i& patches) {
-  const auto i = static_cast<int>(k);
+  const int i = k;
   return Vec3i(i % patches.x(), i / patches.x() % patches.y(), i / patches.x() / patches.y());
 }
 
@@ -29,10 +29,12 @@ class Overuse {
         factor_(static_cast<std::size_t>(blocks_.x()) * blocks_.y() * blocks_.z()) {
     double count = 0;
     for (std::size_t k = 0; k < matches.at.size(); ++k)
-      if (level.use[k] == Use::Free) factor_[block(matches.at[k])] += 1, ++count;
-    const double mean = count / static_cast<double>(factor_.size());
-    for (float& f : factor_)
-      f = static_cast<float>(1 + (mean > 0 ? strength * std::max(0.0, f / mean - 1) : 0));
+      if (level.use[k] == Use::Free) {
+        factor_[block(matches.at[k])] += 1;
+        ++count;
+      }
+    const double mean = count / factor_.size();
+    for (float& f : factor_) f = 1 + (mean > 0 ? strength * std::max(0.0, f / mean - 1) : 0);
   }
   float of(const Place& p) const { return factor_[block(p)]; }
 
@@ -71,7 +73,8 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
     int from[3], over[3];
     for (int a = 0; a < 3; ++a) {
       const int s = wrapped(start[a] / 2 - kPatch / 4, coarse_texture.size[a]);
-      from[a] = std::min(s / 2, coarse.patches[a] - 1), over[a] = s - 2 * from[a];
+      from[a] = std::min(s / 2, coarse.patches[a] - 1);
+      over[a] = s - 2 * from[a];
     }
     const Place& m =
         coarse.at[(static_cast<std::size_t>(from[2]) * coarse.patches.y() + from[1]) * coarse.patches.x() +
@@ -85,7 +88,7 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
 void improve(Matches& matches, const MatchLevel& level, const std::vector<float>& wanted, int dimensions,
              const SearchChoice& choice, const Work& work) {
   const Vec3i n = level.texture.size, patches = matches.patches;
-  const auto dims = static_cast<std::size_t>(dimensions);
+  const std::size_t dims = dimensions;
   for (int pass = 0; pass < kPasses; ++pass) {
     const Overuse overuse(matches, level, choice.overuse);
     std::vector<Place> next = matches.at;
@@ -112,7 +115,12 @@ void improve(Matches& matches, const MatchLevel& level, const std::vector<float>
           float d = 0;
           for (std::size_t i = 0; i < dims; ++i) d += (query[i] - f[i]) * (query[i] - f[i]);
           const float s = d * overuse.of(p) + (at_home(p) ? kExcluded : 0);
-          if (first || s < score) best = p, score = s, distance = d, first = false;
+          if (first || s < score) {
+            best = p;
+            score = s;
+            distance = d;
+            first = false;
+          }
         };
         consider(best);
         for (int a = 0; a < 3; ++a)
@@ -128,13 +136,12 @@ void improve(Matches& matches, const MatchLevel& level, const std::vector<float>
           }
         Random random(choice.seed, static_cast<std::uint64_t>(pass), k);
         for (int reach = n.maxCoeff() / 2; reach >= 2; reach = reach * 2 / 5) {
-          const auto by = [&] {
-            return static_cast<int>(random.below(static_cast<std::uint64_t>(2 * reach + 1))) - reach;
-          };
+          const auto by = [&] { return static_cast<int>(random.below(2 * reach + 1)) - reach; };
           const int dx = by(), dy = by(), dz = by();
           consider(wrapped_place(best.x + dx, best.y + dy, best.z + dz, n));
         }
-        next[k] = best, matches.distance[k] = distance;
+        next[k] = best;
+        matches.distance[k] = distance;
       }
     });
     matches.at = std::move(next);

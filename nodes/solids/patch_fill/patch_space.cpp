@@ -19,9 +19,9 @@ const Basis& cosines() {
     Basis b{};
     for (std::size_t u = 0; u < kPatch; ++u)
       for (std::size_t i = 0; i < kPatch; ++i)
-        b[u][i] = static_cast<float>(
+        b[u][i] =
             std::sqrt((u == 0 ? 1.0 : 2.0) / kPatch) *
-            std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) * static_cast<double>(u) / kPatch));
+            std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) * static_cast<double>(u) / kPatch);
     return b;
   }();
   return basis;
@@ -36,7 +36,7 @@ std::vector<float> transform(const Torus<Vec3f>& field, const Vec3i& start, int 
   for (int z = 0; z < kPatch; ++z)
     for (int y = 0; y < kPatch; ++y)
       for (int x = 0; x < kPatch; ++x)
-        in[static_cast<std::size_t>((z * kPatch + y) * kPatch + x)] = field.at[field.index(
+        in[(z * kPatch + y) * kPatch + x] = field.at[field.index(
             wrapped(start.x() + x, field.size.x()), wrapped(start.y() + y, field.size.y()),
             wrapped(start.z() + z, field.size.z()))][channel];
   for (const std::size_t step : {std::size_t{1}, std::size_t{kPatch}, std::size_t{kPatch} * kPatch}) {
@@ -62,8 +62,9 @@ PatchSpace::PatchSpace(const Torus<Vec3f>& a, const Torus<Vec3f>& b, int dimensi
     for (int c = 0; c < 3; ++c) {
       const std::vector<float> values = transform(field, start, c);
       for (std::size_t i = 0; i < kVoxels; ++i) {
-        const std::size_t at = static_cast<std::size_t>(c) * kVoxels + i;
-        mean[at] += values[i], square[at] += static_cast<double>(values[i]) * values[i];
+        const std::size_t at = c * kVoxels + i;
+        mean[at] += values[i];
+        square[at] += static_cast<double>(values[i]) * values[i];
       }
     }
   }
@@ -78,7 +79,7 @@ PatchSpace::PatchSpace(const Torus<Vec3f>& a, const Torus<Vec3f>& b, int dimensi
                    [&](std::size_t i, std::size_t j) { return variance[i] > variance[j]; });
   double kept = 0;
   for (int k = 0; k < dimensions; ++k) {
-    const std::size_t i = order[static_cast<std::size_t>(k)], in = i % kVoxels;
+    const std::size_t i = order[k], in = i % kVoxels;
     chosen_.push_back({static_cast<int>(i / kVoxels), static_cast<int>(in % kPatch),
                        static_cast<int>(in / kPatch % kPatch), static_cast<int>(in / kPatch / kPatch)});
     kept += variance[i];
@@ -92,49 +93,46 @@ PatchSpace::PatchSpace(const Torus<Vec3f>& a, const Torus<Vec3f>& b, int dimensi
 std::vector<float> PatchSpace::describe(const Torus<Vec3f>& field, int stride, const Work& work) const {
   const Basis& basis = cosines();
   const Vec3i n = field.size, starts = (n.array() + stride - 1) / stride;
-  const auto dims = static_cast<std::size_t>(dimensions());
+  const std::size_t dims = dimensions();
   const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
-  std::vector<float> out(dims * static_cast<std::size_t>(starts.x()) * starts.y() * starts.z());
+  std::vector<float> out(dims * starts.x() * starts.y() * starts.z());
   // Filtered along x, then y, then z. Sorted coefficients share the first two steps.
   std::vector<float> along_x(field.at.size()), along_y(field.at.size());
   for (std::size_t d = 0; d < dims; ++d) {
     const Coefficient& k = chosen_[d];
     const auto same = [&](auto... member) { return d > 0 && ((k.*member == chosen_[d - 1].*member) && ...); };
-    const auto& bu = basis[static_cast<std::size_t>(k.u)];
-    const auto& bv = basis[static_cast<std::size_t>(k.v)];
-    const auto& bw = basis[static_cast<std::size_t>(k.w)];
+    const auto& bu = basis[k.u];
+    const auto& bv = basis[k.v];
+    const auto& bw = basis[k.w];
     if (!same(&Coefficient::channel, &Coefficient::u))
       work.parallel(static_cast<std::size_t>(n.y()) * n.z(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
           for (int x = 0; x < n.x(); ++x) {
             float sum = 0;
             for (int i = 0; i < kPatch; ++i)
-              sum += bu[static_cast<std::size_t>(i)] *
-                     field.at[row * n.x() + static_cast<std::size_t>(wrapped(x + i, n.x()))][k.channel];
-            along_x[row * n.x() + static_cast<std::size_t>(x)] = sum;
+              sum += bu[i] * field.at[row * n.x() + wrapped(x + i, n.x())][k.channel];
+            along_x[row * n.x() + x] = sum;
           }
       });
     if (!same(&Coefficient::channel, &Coefficient::u, &Coefficient::v))
-      work.parallel(static_cast<std::size_t>(n.z()), 1, [&](std::size_t z, std::size_t) {
+      work.parallel(n.z(), 1, [&](std::size_t z, std::size_t) {
         for (int y = 0; y < n.y(); ++y) {
           float* to = &along_y[z * plane + static_cast<std::size_t>(y) * n.x()];
           std::fill_n(to, n.x(), 0.0f);
           for (int i = 0; i < kPatch; ++i) {
             const float* from = &along_x[z * plane + static_cast<std::size_t>(wrapped(y + i, n.y())) * n.x()];
-            for (int x = 0; x < n.x(); ++x) to[x] += bv[static_cast<std::size_t>(i)] * from[x];
+            for (int x = 0; x < n.x(); ++x) to[x] += bv[i] * from[x];
           }
         }
       });
-    work.parallel(static_cast<std::size_t>(starts.z()), 1, [&](std::size_t sz, std::size_t) {
-      std::size_t at = sz * static_cast<std::size_t>(starts.x()) * starts.y();
+    work.parallel(starts.z(), 1, [&](std::size_t sz, std::size_t) {
+      std::size_t at = sz * starts.x() * starts.y();
       for (int y = 0; y < n.y(); y += stride)
         for (int x = 0; x < n.x(); x += stride, ++at) {
           float sum = 0;
           for (int i = 0; i < kPatch; ++i)
-            sum +=
-                bw[static_cast<std::size_t>(i)] *
-                along_y[static_cast<std::size_t>(wrapped(static_cast<int>(sz) * stride + i, n.z())) * plane +
-                        static_cast<std::size_t>(y) * n.x() + static_cast<std::size_t>(x)];
+            sum += bw[i] * along_y[(wrapped(static_cast<int>(sz) * stride + i, n.z())) * plane +
+                                   static_cast<std::size_t>(y) * n.x() + x];
           out[at * dims + d] = sum;
         }
     });

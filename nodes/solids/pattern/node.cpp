@@ -7,9 +7,13 @@ namespace {
 
 void compute(Context& c) {
   PatternChoice p;
-  p.kind = c.choice<Kind>("kind"), p.axis = c.choice<int>("axis"), p.offset = c.number("offset");
-  p.width = static_cast<int>(c.integer("width")), p.height = static_cast<int>(c.integer("height"));
-  p.pixel_size = c.number("pixel_size"), p.scale = c.number("scale");
+  p.kind = c.choice<Kind>("kind");
+  p.axis = c.choice<int>("axis");
+  p.offset = c.number("offset");
+  p.width = c.integer("width");
+  p.height = c.integer("height");
+  p.pixel_size = c.number("pixel_size");
+  p.scale = c.number("scale");
   p.seed = c.seed();
   c.output("image", pattern_image(p, c.work()));
 }

@@ -95,16 +95,15 @@ Vec3f pattern_color(const PatternChoice& c, const Vec3& point) {
 Image pattern_image(const PatternChoice& c, const Work& work) {
   Image out(c.width, c.height, 1, c.pixel_size);
   const int axis = c.axis;
-  work.parallel(static_cast<std::size_t>(c.height), 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(c.height, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
       for (int x = 0; x < c.width; ++x) {
         Vec3f sum = Vec3f::Zero();
         for (int s = 0; s < 4; ++s) {
           Vec3 p;
           p[axis] = c.offset;
-          p[kSliceColumns[static_cast<std::size_t>(axis)]] = (x + 0.25 + 0.5 * (s & 1)) * c.pixel_size;
-          p[kSliceRows[static_cast<std::size_t>(axis)]] =
-              (c.height - 1 - static_cast<int>(y) + 0.25 + 0.5 * (s >> 1)) * c.pixel_size;
+          p[kSliceColumns[axis]] = (x + 0.25 + 0.5 * (s & 1)) * c.pixel_size;
+          p[kSliceRows[axis]] = (c.height - 1 - static_cast<int>(y) + 0.25 + 0.5 * (s >> 1)) * c.pixel_size;
           sum += pattern_color(c, p) / 4;
         }
         out.at(x, static_cast<int>(y)) = sum;

@@ -11,7 +11,7 @@ void compute(Context& c) {
   const auto& [exemplars, settings, voxel] = out.request;
   solids::check_request(c, out.request, solids::base_forecast(exemplars, settings));
   out.base = solids::solid_base(exemplars, settings, c.work());
-  c.metric("levels", static_cast<double>(out.base.statistics.size()));
+  c.metric("levels", out.base.statistics.size());
   c.metric("voxel", voxel);
   c.output("base", std::move(out));
 }

@@ -15,7 +15,7 @@ constexpr int kLeastBlock = 16;  // voxels
 // Reads how the solid is cut, and which block to make.
 void read_block(const Context& c, SolidSettings& s) {
   s.blocks = one_or_three(c, "blocks");
-  s.block = static_cast<int>(c.integer("block"));
+  s.block = c.integer("block");
   for (int a = 0; a < 3; ++a)
     if (s.size[a] / s.blocks[a] < kLeastBlock)
       throw Error("bad-value",

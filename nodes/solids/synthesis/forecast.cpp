@@ -10,7 +10,7 @@ namespace {
 constexpr double kChannels = 3;
 
 int planes(const SolidSettings& s) {
-  return static_cast<int>(std::count_if(s.plane.begin(), s.plane.end(), [](int p) { return p >= 0; }));
+  return std::count_if(s.plane.begin(), s.plane.end(), [](int p) { return p >= 0; });
 }
 
 // The voxels of a part of a level, and the patches of one plane: one for every four voxels.
@@ -30,8 +30,7 @@ double whole_bytes(const SolidSettings& s, int levels, const Vec3i& size) {
 // Peak bytes of a part of level `level`: what is held while the matches below are made, while they are
 // carried up, while the level's own are searched (one plane's twice), and while it is finished.
 double part_bytes(const SolidSettings& s, int level, int levels, const TorusBox& wanted, bool finished) {
-  const int whole = whole_level(s, levels),
-            rounds = iterations_of(s, levels)[static_cast<std::size_t>(level)];
+  const int whole = whole_level(s, levels), rounds = iterations_of(s, levels)[level];
   const Vec3i size = box_at(s.size, level, levels);
   const TorusBox box = block_plan(wanted, rounds, finished ? s.finish : 0).blend[0];
   const PartSize part(box, size);

@@ -41,8 +41,7 @@ std::vector<NeighborField> random_families(const Vec3i& size,
                                            const SolidSettings& s) {
   std::vector<NeighborField> out;
   for (int a = 0; a < 3; ++a)
-    if (const int p = s.plane[static_cast<std::size_t>(a)]; p >= 0)
-      out.push_back(random_matches(size, a, p, *exemplars[static_cast<std::size_t>(p)], s.seed));
+    if (const int p = s.plane[a]; p >= 0) out.push_back(random_matches(size, a, p, *exemplars[p], s.seed));
   return out;
 }
 
@@ -60,9 +59,8 @@ struct Schedule {
     for (auto& e : end) e /= sum;
   }
   Work part(const Work& work, int level, int from, int to) const {
-    const double a = level > 0 ? end[static_cast<std::size_t>(level) - 1] : 0,
-                 b = end[static_cast<std::size_t>(level)];
-    const double n = iterations[static_cast<std::size_t>(level)];
+    const double a = level > 0 ? end[static_cast<std::size_t>(level) - 1] : 0, b = end[level];
+    const double n = iterations[level];
     return work.part(a + (b - a) * from / n, a + (b - a) * to / n);
   }
 };
@@ -78,7 +76,7 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
   int iteration = 0;
   for (int level = 0; level < made; ++level) {
     const Vec3i size = box_at(s.size, level, levels);
-    for (auto& p : pyramids) find_similar(p[static_cast<std::size_t>(level)], work.quiet());
+    for (auto& p : pyramids) find_similar(p[level], work.quiet());
     const auto at_level = level_of(pyramids, level);
     const int channels = at_level[0]->channels;
     const auto targets = level_values(at_level, s, channels);
@@ -89,15 +87,15 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
       families = random_families(size, at_level, s);
     } else {
       for (auto& f : families) {
-        const Pyramid& p = pyramids[static_cast<std::size_t>(f.exemplar)];
+        const Pyramid& p = pyramids[f.exemplar];
         f = carry_up(f, box_at(s.size, level - 1, levels), size, p[static_cast<std::size_t>(level) - 1],
-                     p[static_cast<std::size_t>(level)], s.seed, work.quiet());
+                     p[level], s.seed, work.quiet());
       }
       blend_patches(at_level, families, {static_cast<float>(10 * s.window)}, field, nullptr, nullptr,
                     work.quiet());
       match_all(field, targets, work);
     }
-    const int rounds = schedule.iterations[static_cast<std::size_t>(level)];
+    const int rounds = schedule.iterations[level];
     for (int i = 0; i < rounds; ++i, ++iteration) {
       const Work step = schedule.part(work, level, i, i + 1);
       SearchSettings search = search_settings(s);
@@ -114,7 +112,10 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
         sources = &out.sources;
         sources->texel.resize(voxels(size)), sources->exemplar.resize(voxels(size));
         bool any = false;
-        for (const auto& e : exemplars) features.push_back(&e.features), any |= !e.features.empty();
+        for (const auto& e : exemplars) {
+          features.push_back(&e.features);
+          any |= !e.features.empty();
+        }
         if (any) sources->features.assign(voxels(size), Vec3f::Zero());
       }
       blend_patches(at_level, families, blend, field, sources, &features, step.part(0.6, 0.95));
@@ -122,7 +123,7 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
       step.progress(1);
     }
   }
-  field.channel.resize(static_cast<std::size_t>(out.axes.channels));
+  field.channel.resize(out.axes.channels);
   return families;
 }
 
@@ -143,7 +144,7 @@ void by_reference(const std::vector<Pyramid>& pyramids, const SolidSettings& s, 
       out.field = resample(out.field, size, work.quiet());
     }
     families = random_families(size, at_level, s);
-    const int rounds = schedule.iterations[static_cast<std::size_t>(level)];
+    const int rounds = schedule.iterations[level];
     optimize_by_reference(at_level, families, rounds, s.exponent,
                           windows[level == 0               ? 0
                                   : level + 1 < out.levels ? 1

@@ -62,8 +62,7 @@ void give_solid(Context& c, SolidResult&& r, const std::vector<SolidExemplar>& e
       "Cd", r.size, voxel, last,
       [&](std::size_t i) {
         Vec3f w = Vec3f::Zero();
-        for (std::size_t k = 0; k < r.field.channel.size(); ++k)
-          w[static_cast<Eigen::Index>(k)] = r.field.channel[k][i];
+        for (std::size_t k = 0; k < r.field.channel.size(); ++k) w[k] = r.field.channel[k][i];
         const Vec3f v = r.axes.from(w);
         return openvdb::Vec3s(v.x(), v.y(), v.z());
       },
@@ -82,7 +81,7 @@ void give_solid(Context& c, SolidResult&& r, const std::vector<SolidExemplar>& e
         "source", r.size, voxel, last.quiet(),
         [&](std::size_t i) {
           const SolidExemplar& e = exemplars[r.sources.exemplar[i]];
-          const auto at = static_cast<int>(r.sources.texel[i]);
+          const int at = r.sources.texel[i];
           return openvdb::Vec3i(at % e.width, e.height - 1 - at / e.width, r.sources.exemplar[i]);
         },
         r.origin));

@@ -32,7 +32,8 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
   if (image.sections > 1)
     c.warn(fmt::format("{} has {} sections; only the first is used", port, image.sections));
   SolidExemplar e;
-  e.width = image.width, e.height = image.height;
+  e.width = image.width;
+  e.height = image.height;
   each_upwards(e.width, e.height, [&](int x, int y) {
     const Vec3f& p = image.at(x, y);
     if (!p.allFinite())
@@ -75,7 +76,7 @@ double fit(SolidExemplar& e, int most) {
   const int side = std::min(e.width, e.height);
   if (side <= most) return 1;
   const double by = static_cast<double>(most) / side;
-  e = shrink(e, static_cast<int>(std::lround(e.width * by)), static_cast<int>(std::lround(e.height * by)));
+  e = shrink(e, std::lround(e.width * by), std::lround(e.height * by));
   return 1 / by;
 }
 
@@ -88,7 +89,7 @@ std::array<int, 3> planes_of(Context& c, const std::vector<SolidExemplar>& exemp
       if (axis == 3)
         throw Error("bad-value", fmt::format("'{}' is not an axis", name), "choose from x, y and z")
             .parameter("planes");
-      plane[static_cast<std::size_t>(axis)] = source[static_cast<std::size_t>(axis)];
+      plane[axis] = source[axis];
     }
     if (std::count(plane.begin(), plane.end(), -1) > 1)
       c.warn("only one plane is constrained, so successive slices of the solid are unrelated");
@@ -118,8 +119,8 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   std::array<int, 3> source = {0, 0, 0};
   for (int a = 0; a < 3; ++a) {
     if (!c.has(kPorts[a])) continue;
-    source[static_cast<std::size_t>(a)] = static_cast<int>(exemplars.size());
-    exemplars.push_back(exemplar_of(c, kPorts[a], static_cast<int>(exemplars.size())));
+    source[a] = exemplars.size();
+    exemplars.push_back(exemplar_of(c, kPorts[a], exemplars.size()));
   }
   for (const char* list : {"masks", "features"})
     if (c.list(list).size() > exemplars.size())
@@ -147,9 +148,11 @@ SolidRequest read_request(Context& c, SolidMethod method) {
         s.method == SolidMethod::Reference ? std::vector<int>{100, 20, 10} : std::vector<int>{20, 10, 5};
   else
     for (const auto i : c.ints("iterations")) s.iterations.push_back(static_cast<int>(i));
-  s.levels = static_cast<int>(c.optional_integer("levels").value_or(0));
+  s.levels = c.optional_integer("levels").value_or(0);
   s.color = c.choice<SolidColor>("color");
-  s.exponent = c.number("exponent"), s.overuse = c.number("overuse"), s.copying = c.number("copying"),
+  s.exponent = c.number("exponent");
+  s.overuse = c.number("overuse");
+  s.copying = c.number("copying");
   s.window = c.number("window");
   s.guide = c.number("guide");
   s.finish = !c.keyword("finish").empty() ? (s.method == SolidMethod::Blockwise ? 1 : 2)

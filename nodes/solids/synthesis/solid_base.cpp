@@ -9,7 +9,7 @@ using namespace solids;
 // One field list drives encoding and decoding.
 template <class Stream>
 void fields(Stream&& each, SolidSettings& s) {
-  for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[static_cast<std::size_t>(a)]);
+  for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[a]);
   each(s.levels), each(s.color), each(s.exponent), each(s.overuse), each(s.copying), each(s.guide);
   each(s.window), each(s.finish), each(s.blockwise_iterations), each(s.seed);
 }
@@ -23,11 +23,11 @@ NeighborField decode_family(Reader& r, std::size_t exemplars) {
   NeighborField f;
   for (int* n : {&f.axis, &f.exemplar, &f.slices, &f.columns, &f.rows, &f.width, &f.height})
     *n = r.pod<int>();
-  f.at = r.array<std::uint32_t>(), f.weight = r.array<float>();
+  f.at = r.array<std::uint32_t>();
+  f.weight = r.array<float>();
   const double patches = static_cast<double>(f.slices) * f.columns * f.rows;
   if (f.axis < 0 || f.axis > 2 || f.exemplar < 0 || f.exemplar >= static_cast<int>(exemplars) ||
-      std::min({f.slices, f.columns, f.rows}) < 1 || patches != static_cast<double>(f.at.size()) ||
-      f.at.size() != f.weight.size())
+      std::min({f.slices, f.columns, f.rows}) < 1 || patches != f.at.size() || f.at.size() != f.weight.size())
     throw Error("damaged", "the stored matches have an invalid shape");
   return f;
 }
@@ -76,7 +76,8 @@ LevelStatistics decode_statistics(Reader& r) {
   s.finish = decode_list<std::vector<FinishMaps>>(r, [&] {
     return decode_list<FinishMaps>(r, [&] {
       FinishMaps m;
-      m.bands = decode_list<std::vector<ValueMap>>(r, maps), m.values = maps();
+      m.bands = decode_list<std::vector<ValueMap>>(r, maps);
+      m.values = maps();
       return m;
     });
   });
@@ -101,11 +102,16 @@ SolidBase decode(Reader& r) {
   fields([&](auto& field) { field = r.pod<std::decay_t<decltype(field)>>(); }, s);
   if (s.color < SolidColor::Lab || s.color > SolidColor::Rgb)
     throw Error("damaged", "the stored color space is unknown");
-  s.method = SolidMethod::Blockwise, s.iterations = r.array<int>(), v.request.voxel = r.pod<double>();
+  s.method = SolidMethod::Blockwise;
+  s.iterations = r.array<int>();
+  v.request.voxel = r.pod<double>();
   v.request.exemplars = decode_list<SolidExemplar>(r, [&] {
     SolidExemplar e;
-    e.width = r.pod<int>(), e.height = r.pod<int>();
-    e.pixels = r.raw_array<Vec3f>(), e.usable = r.array<std::uint8_t>(), e.features = r.raw_array<Vec3f>();
+    e.width = r.pod<int>();
+    e.height = r.pod<int>();
+    e.pixels = r.raw_array<Vec3f>();
+    e.usable = r.array<std::uint8_t>();
+    e.features = r.raw_array<Vec3f>();
     const double n = static_cast<double>(e.width) * e.height;
     const auto fits = [&](const auto& list, bool needed) {
       return (list.empty() && !needed) || static_cast<double>(list.size()) == n;

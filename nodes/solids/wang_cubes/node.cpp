@@ -23,7 +23,8 @@ void compute(Context& c) {
   const Volume& volume = c.input<Volume>("solid");
   const VoxelBox box = solid_box(volume, "solid");
   CubeSettings s;
-  s.colors = static_cast<int>(c.integer("colors")), s.rim = static_cast<int>(c.integer("rim"));
+  s.colors = c.integer("colors");
+  s.rim = c.integer("rim");
   s.fill.iterations.clear();
   for (const auto n : c.ints("iterations")) s.fill.iterations.push_back(static_cast<int>(n));
   s.fill.seed = c.seed();
@@ -35,11 +36,11 @@ void compute(Context& c) {
         .parameter("rim");
   const Lattice lattice = random_lattice(one_or_three(c, "cubes"), s.colors, c.seed());
   const double cube = static_cast<double>(box.count()) * sizeof(Vec3f);
-  const auto places = static_cast<double>(lattice.faces.size());
+  const double places = lattice.faces.size();
   require_memory(fill_memory(box.size) + cube * (3 * s.colors + 3 * places), c.memory(), "the Wang cubes");
   const CubeSet set = make_cubes(read_solid(volume, box, "solid"), lattice, s, c.work().part(0, 0.95));
   const Torus<Vec3f> whole = assemble(set, lattice);
-  c.metric("cubes_made", static_cast<double>(set.cube.size()));
+  c.metric("cubes_made", set.cube.size());
   c.metric("repetition", repetition(whole, lattice.cubes));
   Table table;
   table.columns = {"x", "y", "z", "cube"};

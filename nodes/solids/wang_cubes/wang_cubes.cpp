@@ -24,7 +24,7 @@ FillProblem problem_of(const Torus<Vec3f>& solid, const Torus<Vec3f>& guide, int
   const float ramp = kRamp * static_cast<float>(rim);
   for (std::size_t i = 0; i < solid.at.size(); ++i) {
     const int beyond = distance(solid.place(i)) - rim + 1;
-    out.weight.at[i] = std::clamp(1 - static_cast<float>(beyond) / ramp, 0.0f, 1.0f);
+    out.weight.at[i] = std::clamp(1 - beyond / ramp, 0.0f, 1.0f);
     out.free.at[i] = beyond > 0 ? 1.0f : 0.0f;
   }
   return out;
@@ -41,8 +41,7 @@ struct Faces {
   FaceColors of(const Vec3i& p) const {
     FaceColors out;
     out.low = at(p);
-    for (int a = 0; a < 3; ++a)
-      out.high[static_cast<std::size_t>(a)] = at(p + Vec3i::Unit(a))[static_cast<std::size_t>(a)];
+    for (int a = 0; a < 3; ++a) out.high[a] = at(p + Vec3i::Unit(a))[a];
     return out;
   }
   // How many of the 26 neighbors are the same cube.
@@ -68,8 +67,7 @@ Lattice random_lattice(const Vec3i& cubes, int colors, std::uint64_t seed) {
   Faces faces{{cubes, {}}};
   for (std::size_t i = 0; i < faces.low.at.size(); ++i)
     for (std::size_t a = 0; a < 3; ++a)
-      faces.low.at[i][a] =
-          static_cast<int>(Random(seed, 0x81 + a, i).below(static_cast<std::uint64_t>(colors)));
+      faces.low.at[i][a] = Random(seed, 0x81 + a, i).below(static_cast<std::uint64_t>(colors));
   // Chance puts equal cubes side by side. Change faces of the two cubes that meet there, where that helps.
   constexpr int kRounds = 4;
   for (int round = 0; round < kRounds; ++round)
@@ -80,7 +78,10 @@ Lattice random_lattice(const Vec3i& cubes, int colors, std::uint64_t seed) {
         int best = color, least = faces.alike(here) + faces.alike(below);
         for (int k = 1; k < colors && least > 0; ++k) {
           color = (color + 1) % colors;
-          if (const int now = faces.alike(here) + faces.alike(below); now < least) best = color, least = now;
+          if (const int now = faces.alike(here) + faces.alike(below); now < least) {
+            best = color;
+            least = now;
+          }
         }
         color = best;
       }
@@ -100,11 +101,11 @@ CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const Cube
     if (found == out.faces.end()) out.faces.push_back(f);
   }
   // All steps take about equally long.
-  const std::size_t steps = static_cast<std::size_t>(3 * (s.colors - 1)) + out.faces.size();
+  const std::size_t steps = (3 * (s.colors - 1)) + out.faces.size();
   std::size_t step = 0;
   const auto next = [&] {
-    const double from = static_cast<double>(step++) / static_cast<double>(steps);
-    return work.part(from, static_cast<double>(step) / static_cast<double>(steps));
+    const double from = static_cast<double>(step++) / steps;
+    return work.part(from, static_cast<double>(step) / steps);
   };
   const auto seeded = [&](std::uint64_t item) {
     patch_fill::FillSettings fill = s.fill;
@@ -122,10 +123,10 @@ CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const Cube
       }
       const FillProblem problem = problem_of(solid, solid, s.rim, [&](const Vec3i& p) {
         const Vec3i d = face_distances(p, n);
-        const auto axis = static_cast<Eigen::Index>(a);
+        const Eigen::Index axis = a;
         return std::max(d[axis], std::min(d[(axis + 1) % 3], d[(axis + 2) % 3]));
       });
-      content[a].push_back(fill(problem, seeded(a * 64 + static_cast<std::uint64_t>(color)), next()).color);
+      content[a].push_back(fill(problem, seeded(a * 64 + color), next()).color);
     }
 
   for (std::size_t k = 0; k < out.faces.size(); ++k) {
@@ -142,9 +143,9 @@ CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const Cube
       Eigen::Index a = 0;
       d.minCoeff(&a);
       if ((d.array() < s.rim).count() > 1) continue;
-      const auto axis = static_cast<std::size_t>(a);
+      const std::size_t axis = a;
       const int color = 2 * p[a] < n[a] ? f.low[axis] : f.high[axis];
-      guide.at[i] = content[axis][static_cast<std::size_t>(color)].at[i];
+      guide.at[i] = content[axis][color].at[i];
     }
     FillProblem problem =
         problem_of(solid, guide, s.rim, [&](const Vec3i& p) { return face_distances(p, n).minCoeff(); });
@@ -179,7 +180,8 @@ double repetition(const Torus<Vec3f>& colors, const Vec3i& cubes) {
       p[a] = wrapped(p[a] + colors.size[a] / cubes[a], colors.size[a]);
       const Vec3 here = colors.at[i].cast<double>() - mean,
                  there = colors.at[colors.index(p.x(), p.y(), p.z())].cast<double>() - mean;
-      together += here.dot(there), square += here.squaredNorm();
+      together += here.dot(there);
+      square += here.squaredNorm();
     }
     worst = std::max(worst, square > 0 ? together / square : 1);
   }

@@ -13,10 +13,10 @@ namespace {
 
 std::string word(const Table& t, std::size_t row, const char* column) {
   const int c = t.column(column);
-  if (c < 0 || !std::holds_alternative<std::string>(t.rows[row][static_cast<std::size_t>(c)]))
+  if (c < 0 || !std::holds_alternative<std::string>(t.rows[row][c]))
     throw Error("not-metrics", fmt::format("a table has no text column '{}'", column),
                 "connect tables from ShapeMetrics");
-  return std::get<std::string>(t.rows[row][static_cast<std::size_t>(c)]);
+  return std::get<std::string>(t.rows[row][c]);
 }
 
 }  // namespace
@@ -54,8 +54,7 @@ Table average_deviations(const std::vector<const Table*>& tables, const std::vec
       for (std::size_t k = 1; k < names.size(); ++k) {
         double sum = 0;
         for (const Table* t : tables)
-          sum += std::abs(t->number(k + (central ? 0 : names.size()), column)) /
-                 static_cast<double>(tables.size());
+          sum += std::abs(t->number(k + (central ? 0 : names.size()), column)) / tables.size();
         cells.emplace_back(sum);
       }
       out.rows.push_back(std::move(cells));
@@ -88,8 +87,10 @@ Table effects(const std::vector<const Table*>& tables, const std::vector<std::st
               throw Error("not-metrics", fmt::format("a table has no column '{}'", column),
                           "connect tables from ShapeMetrics");
           AnovaCell cell;
-          cell.a = word(*tables[k], at, "name"), cell.b = fmt::format("{:09}", k);
-          cell.n = tables[k]->number(at, "profiles"), cell.mean = tables[k]->number(at, measure + " mean");
+          cell.a = word(*tables[k], at, "name");
+          cell.b = fmt::format("{:09}", k);
+          cell.n = tables[k]->number(at, "profiles");
+          cell.mean = tables[k]->number(at, measure + " mean");
           const double sd = tables[k]->number(at, measure + " sd");  // of the sections: Σ (…)²/n
           cell.squares = cell.n * sd * sd;
           cells.push_back(std::move(cell));

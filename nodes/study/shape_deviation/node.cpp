@@ -10,7 +10,7 @@ void compute(Context& c) {
   for (const Value& v : c.list("tables")) tables.push_back(&v.as<Table>());
   std::vector<std::string> measures = c.texts("measures");
   Table t = average_deviations(tables, measures);
-  c.metric("originals", static_cast<double>(tables.size()));
+  c.metric("originals", tables.size());
   c.output("table", std::move(t));
   c.output("anova", effects(tables, measures));
 }

@@ -11,7 +11,7 @@ namespace terrazzo::shape_observer {
 namespace {
 
 void check(const NodeParameters& p) {
-  if (static_cast<double>(p.integer("profiles")) * static_cast<double>(p.integer("views")) > 5e6)
+  if (static_cast<double>(p.integer("profiles")) * p.integer("views") > 5e6)
     throw Error("too-many-profiles",
                 fmt::format("views × profiles must be at most 5 million; there are {} views of {} profiles",
                             p.integer("views"), p.integer("profiles")),
@@ -38,8 +38,8 @@ void compute(Context& c) {
       names.push_back(i ? fmt::format("decoy {}", i) : "original");
   }
   ObserverChoice choice;
-  choice.profiles = static_cast<int>(c.integer("profiles"));
-  choice.views = static_cast<int>(c.integer("views"));
+  choice.profiles = c.integer("profiles");
+  choice.views = c.integer("views");
   choice.eyesight = c.number("eyesight");
   choice.seed = c.seed();
   Table t;
@@ -51,9 +51,9 @@ void compute(Context& c) {
   PlotSeries bars;
   bars.kind = PlotSeries::Kind::Bars;
   for (std::size_t i = 1; i < wires.size(); ++i) {
-    const double from = (static_cast<double>(i) - 1) / static_cast<double>(wires.size() - 1);
+    const double from = (static_cast<double>(i) - 1) / (wires.size() - 1);
     const auto v = observe(wires[0].as<Shapes>(), wires[i].as<Shapes>(), choice,
-                           c.work().part(from, from + 1.0 / static_cast<double>(wires.size() - 1)));
+                           c.work().part(from, from + 1.0 / (wires.size() - 1)));
     t.rows.push_back({names[i], 100 * v.told, 100 * v.error, v.by});
     plot.x_words.push_back(names[i]);
     bars.x.push_back(static_cast<double>(i) - 1);

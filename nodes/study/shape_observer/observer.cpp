@@ -14,12 +14,12 @@ namespace {
 constexpr int kFolds = 9;
 constexpr std::array<double, kOutlineFeatures> kVisible{0.0012, 0.12,  0.03, 0.006, 4,   0.7,
                                                         0.02,   0.015, 0.1,  0.05,  0.15};
-constexpr auto kFeatures = static_cast<Eigen::Index>(kOutlineFeatures);
+constexpr Eigen::Index kFeatures = kOutlineFeatures;
 
 // One row per view; columns: means, then standard deviations (if a view has at least five profiles).
 Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std::uint64_t seed,
                          const Work& work) {
-  const auto n = static_cast<std::size_t>(choice.views) * static_cast<std::size_t>(choice.profiles);
+  const auto n = static_cast<std::size_t>(choice.views) * choice.profiles;
   // A section shows one profile or more; only the first n profiles are used.
   const auto sections = random_sections(shapes, n, {SectionKind::Random, seed, 0}, work.part(0, 0.5));
   std::vector<const Loop*> loops;
@@ -41,9 +41,9 @@ Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std
     for (Eigen::Index k = 0; k < kFeatures; ++k) {
       double sum = 0, square = 0;
       for (int p = 0; p < choice.profiles; ++p) {
-        const double f =
-            features[static_cast<std::size_t>(v * choice.profiles + p)].values[static_cast<std::size_t>(k)];
-        sum += f, square += f * f;
+        const double f = features[v * choice.profiles + p].values[k];
+        sum += f;
+        square += f * f;
       }
       const double mean = sum / choice.profiles;
       out(v, k) = mean;
@@ -64,9 +64,10 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
     const double mean = (a.col(k).mean() + b.col(k).mean()) / 2;
     const double sd =
         std::sqrt(((a.col(k).array() - mean).square().sum() + (b.col(k).array() - mean).square().sum()) /
-                  static_cast<double>(2 * choice.views));
+                  (2 * choice.views));
     scale[k] = sd > 1e-9 * (1 + std::abs(mean)) ? 1 / sd : 0;
-    a.col(k) *= scale[k], b.col(k) *= scale[k];
+    a.col(k) *= scale[k];
+    b.col(k) *= scale[k];
   }
   double told = 0;
   for (int fold = 0; fold < kFolds; ++fold) {
@@ -74,8 +75,13 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
     Eigen::VectorXd mean_a = Eigen::VectorXd::Zero(d), mean_b = mean_a;
     double n = 0;
     for (Eigen::Index v = 0; v < choice.views; ++v)
-      if (v % kFolds != fold) mean_a += a.row(v), mean_b += b.row(v), ++n;
-    mean_a /= n, mean_b /= n;
+      if (v % kFolds != fold) {
+        mean_a += a.row(v);
+        mean_b += b.row(v);
+        ++n;
+      }
+    mean_a /= n;
+    mean_b /= n;
     Eigen::MatrixXd cov = Eigen::MatrixXd::Zero(d, d);
     for (Eigen::Index v = 0; v < choice.views; ++v)
       if (v % kFolds != fold) {
@@ -96,8 +102,7 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
   out.error = std::sqrt(std::max(out.told * (1 - out.told), 0.25 / choice.views) / choice.views);
   Eigen::Index most = 0;
   (b.colwise().mean() - a.colwise().mean()).cwiseAbs().maxCoeff(&most);
-  out.by = (most >= kFeatures ? "spread of " : "") +
-           outline_feature_names()[static_cast<std::size_t>(most % kFeatures)];
+  out.by = (most >= kFeatures ? "spread of " : "") + outline_feature_names()[most % kFeatures];
   return out;
 }
 

@@ -69,8 +69,8 @@ void check(const NodeParameters& p) {
 void compute(Context& c) {
   const auto stimuli = stimuli_of(c);
   const auto seed = c.seed();
-  const auto screens = make_screens(stimuli, static_cast<int>(c.integer("repeats")), seed);
-  const auto training = make_training(stimuli, screens, static_cast<int>(c.integer("training")), seed);
+  const auto screens = make_screens(stimuli, c.integer("repeats"), seed);
+  const auto training = make_training(stimuli, screens, c.integer("training"), seed);
   // Image names are shuffled numbers, so that they reveal nothing.
   std::vector<std::pair<int, int>> all;
   for (std::size_t i = 0; i < stimuli.size(); ++i)
@@ -78,24 +78,23 @@ void compute(Context& c) {
   Random r(seed, 302);
   for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[r.below(i)]);
   std::vector<std::vector<std::string>> names(stimuli.size());
-  for (std::size_t i = 0; i < stimuli.size(); ++i)
-    names[i].resize(static_cast<std::size_t>(stimuli[i].sections));
+  for (std::size_t i = 0; i < stimuli.size(); ++i) names[i].resize(stimuli[i].sections);
   const std::string folder = c.text("path");
   for (std::size_t k = 0; k < all.size(); ++k) {
     c.work().check();
     const auto [stimulus, section] = all[k];
     const std::string name = fmt::format("{:03}.png", k + 1);
-    names[static_cast<std::size_t>(stimulus)][static_cast<std::size_t>(section)] = name;
-    const auto& image = c.list("images")[static_cast<std::size_t>(stimulus)].as<Image>();
+    names[stimulus][section] = name;
+    const auto& image = c.list("images")[stimulus].as<Image>();
     c.write_file(folder + "/images/" + name,
                  [&](const std::filesystem::path& to) { write_image(to, image, section); });
-    c.work().progress((static_cast<double>(k) + 1) / static_cast<double>(all.size()));
+    c.work().progress((static_cast<double>(k) + 1) / all.size());
   }
   const Table key = key_of(screens, names);
   write_text(c, folder + "/key.csv", csv_of(key));
   write_text(c, folder + "/index.html", page_of(screens, training, names));
-  c.metric("screens", static_cast<double>(screens.size()));
-  c.metric("pictures", static_cast<double>(all.size()));
+  c.metric("screens", screens.size());
+  c.metric("pictures", all.size());
   c.output("key", key);
 }
 

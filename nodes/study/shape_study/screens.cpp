@@ -17,31 +17,33 @@ namespace {
 
 int original_of(const std::vector<Stimulus>& stimuli, const std::string& shape) {
   for (std::size_t i = 0; i < stimuli.size(); ++i)
-    if (stimuli[i].shape == shape && stimuli[i].method == "original") return static_cast<int>(i);
+    if (stimuli[i].shape == shape && stimuli[i].method == "original") return i;
   return -1;
 }
 
 // A random screen with a decoy from stimulus i, or without one if that is the original.
 Screen draw_screen(const std::vector<Stimulus>& stimuli, std::size_t i, Random r) {
   const int original = original_of(stimuli, stimuli[i].shape);
-  const auto n = static_cast<std::uint64_t>(stimuli[static_cast<std::size_t>(original)].sections);
-  const auto a = static_cast<int>(r.below(n));
-  int b = static_cast<int>(r.below(n - 1));
+  const std::uint64_t n = stimuli[static_cast<std::size_t>(original)].sections;
+  const int a = r.below(n);
+  int b = r.below(n - 1);
   b += b >= a;
-  int c = static_cast<int>(r.below(n - 2));
+  int c = r.below(n - 2);
   for (const int taken : {std::min(a, b), std::max(a, b)}) c += c >= taken;
   Screen s;
-  s.shape = stimuli[i].shape, s.method = stimuli[i].method;
+  s.shape = stimuli[i].shape;
+  s.method = stimuli[i].method;
   s.center = {original, a};
   Screen::Shown same{original, b}, other{original, c};
   const bool left = r.below(2) == 0;
   if (static_cast<int>(i) != original) {
-    other = {static_cast<int>(i), static_cast<int>(r.below(static_cast<std::uint64_t>(stimuli[i].sections)))};
+    other = {static_cast<int>(i), static_cast<int>(r.below(stimuli[i].sections))};
     s.decoy = left ? "left" : "right";
   } else {
     s.decoy = "none";
   }
-  s.left = left ? other : same, s.right = left ? same : other;
+  s.left = left ? other : same;
+  s.right = left ? same : other;
   return s;
 }
 
@@ -58,9 +60,7 @@ Images images_of(const Screen& s) {
 
 std::string image_list(const std::vector<Screen>& screens,
                        const std::vector<std::vector<std::string>>& names) {
-  const auto name = [&](const Screen::Shown& s) {
-    return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
-  };
+  const auto name = [&](const Screen::Shown& s) { return names[s.stimulus][s.section]; };
   std::string list;
   for (std::size_t i = 0; i < screens.size(); ++i)
     list += fmt::format("[{},\"{}\",\"{}\",\"{}\"],\n", i + 1, name(screens[i].left), name(screens[i].center),
@@ -78,7 +78,7 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repea
     if (std::find(shapes.begin(), shapes.end(), s.shape) == shapes.end()) shapes.push_back(s.shape);
   for (const auto& shape : shapes) {
     const int original = original_of(stimuli, shape);
-    if (original < 0 || stimuli[static_cast<std::size_t>(original)].sections < 3)
+    if (original < 0 || stimuli[original].sections < 3)
       throw Error("no-original", fmt::format("'{}' needs at least three sections of its original", shape),
                   "name a stack of three sections or more '" + shape + "/original'");
     for (std::size_t i = 0; i < stimuli.size(); ++i) {
@@ -123,9 +123,7 @@ std::vector<Screen> make_training(const std::vector<Stimulus>& stimuli, const st
 Table key_of(const std::vector<Screen>& screens, const std::vector<std::vector<std::string>>& names) {
   Table t;
   t.columns = {"screen", "shape", "method", "decoy", "left", "center", "right"};
-  const auto name = [&](const Screen::Shown& s) {
-    return names[static_cast<std::size_t>(s.stimulus)][static_cast<std::size_t>(s.section)];
-  };
+  const auto name = [&](const Screen::Shown& s) { return names[s.stimulus][s.section]; };
   for (std::size_t i = 0; i < screens.size(); ++i) {
     const Screen& s = screens[i];
     t.rows.push_back({static_cast<double>(i + 1), s.shape, s.method, s.decoy, name(s.left), name(s.center),

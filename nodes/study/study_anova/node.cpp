@@ -28,7 +28,7 @@ void compute(Context& c) {
   std::vector<std::string> notes;
   c.output("table", effects(answers, design, notes));
   for (const auto& note : notes) c.warn(note);
-  c.metric("answers", static_cast<double>(answers.size()));
+  c.metric("answers", answers.size());
   c.output("summary", by_method(answers, design));
   c.output("by_shape", by_shape(answers, design));
   c.output("figure", figure_by_method(answers, design));

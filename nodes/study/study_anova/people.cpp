@@ -32,12 +32,17 @@ Spread spread_of(const std::vector<Answer>& answers, const std::string& method, 
     const double v = value_of(a, q);
     if (std::isnan(v)) continue;
     Sum& s = people[a.participant];
-    s.sum += v, ++s.n, ++out.answers;
+    s.sum += v;
+    ++s.n;
+    ++out.answers;
   }
-  out.people = static_cast<int>(people.size());
+  out.people = people.size();
   if (people.empty()) return out;
   Sum all;
-  for (const auto& [name, s] : people) all.sum += s.mean(), ++all.n;
+  for (const auto& [name, s] : people) {
+    all.sum += s.mean();
+    ++all.n;
+  }
   out.mean = all.mean();
   if (all.n < 2) return out;
   double squares = 0;
@@ -57,9 +62,9 @@ PeopleMeans means_by_person(const std::vector<Answer>& answers, const std::vecto
     if (m == methods.end() || s == shapes.end() || std::isnan(v)) continue;
     auto& sums = people[a.participant];
     sums.resize(cells);
-    Sum& sum = sums[static_cast<std::size_t>(m - methods.begin()) * shapes.size() +
-                    static_cast<std::size_t>(s - shapes.begin())];
-    sum.sum += v, ++sum.n;
+    Sum& sum = sums[(m - methods.begin()) * shapes.size() + (s - shapes.begin())];
+    sum.sum += v;
+    ++sum.n;
   }
   PeopleMeans out;
   for (const auto& [name, sums] : people) {

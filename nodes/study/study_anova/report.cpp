@@ -163,9 +163,7 @@ Table effects(const std::vector<Answer>& answers, const Design& design, std::vec
       for (std::size_t j = 0; j < means.rows[i].size(); ++j)
         values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = means.rows[i][j];
     add_rows(t, name, "repeated measures",
-             repeated_anova(values, static_cast<int>(design.methods.size()),
-                            static_cast<int>(design.shapes.size()), kFactors),
-             true);
+             repeated_anova(values, design.methods.size(), design.shapes.size(), kFactors), true);
   }
   return t;
 }

@@ -20,7 +20,9 @@ Table::Cell cell(double v) { return std::isfinite(v) ? Table::Cell(v) : Table::C
 // True sizes and those recovered in one repetition, in the classes of the estimate, as in figure 7.
 Plot panel(const std::string& name, const TrueSizes& truth, const std::vector<MethodResult>& results) {
   Plot plot;
-  plot.title = name, plot.x_label = "size, mm", plot.y_label = "share of particles";
+  plot.title = name;
+  plot.x_label = "size, mm";
+  plot.y_label = "share of particles";
   PlotSeries actual{PlotSeries::Kind::Bars, "actual", {}, {}, {}, {}, 0};
   int color = 0;
   for (const auto& r : results) {
@@ -49,12 +51,12 @@ void check(const NodeParameters& p) {
 void compute(Context& c) {
   StudyOptions o;
   o.methods = c.texts("methods");
-  o.repetitions = static_cast<int>(c.integer("repetitions"));
-  o.profiles = static_cast<double>(c.integer("profiles"));
-  o.sections = static_cast<int>(c.integer("sections"));
-  o.classes = static_cast<int>(c.integer("classes"));
+  o.repetitions = c.integer("repetitions");
+  o.profiles = c.integer("profiles");
+  o.sections = c.integer("sections");
+  o.classes = c.integer("classes");
   o.largest = c.choice<LargestSize>("d_max");
-  o.bootstrap = static_cast<int>(c.integer("bootstrap"));
+  o.bootstrap = c.integer("bootstrap");
   o.seed = c.seed();
   const auto& truths = c.list("distributions");
   std::vector<std::string> names = c.keyword("names").empty() ? c.texts("names") : std::vector<std::string>{};
@@ -71,9 +73,7 @@ void compute(Context& c) {
   densities.columns = {"distribution", "method", "from mm", "to mm", "N_V true mm⁻³", "N_V mm⁻³"};
   std::vector<Plot> panels;
   for (std::size_t t = 0; t < truths.size(); ++t) {
-    const auto share = [&](std::size_t i) {
-      return static_cast<double>(i) / static_cast<double>(truths.size());
-    };
+    const auto share = [&](std::size_t i) { return static_cast<double>(i) / truths.size(); };
     const auto& distribution = truths[t].as<SizeDistribution>();
     const TrueSizes truth(distribution);
     const auto results =

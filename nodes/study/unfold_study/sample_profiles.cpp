@@ -85,12 +85,12 @@ Profiles ProfileSampler::sample(double expected, int sections, std::uint64_t see
     const auto& q = quantiles_[source->shape];
     const double at = random.uniform() * kQuantiles;
     const auto b = static_cast<std::size_t>(at);
-    const double relative = q[b] + (at - static_cast<double>(b)) * (q[b + 1] - q[b]);
+    const double relative = q[b] + (at - b) * (q[b + 1] - q[b]);
     const double diameter = size * relative;
     if (!(diameter > 0)) continue;
     Profile& f = p.profiles.emplace_back();
     f.area = std::numbers::pi / 4 * diameter * diameter;
-    f.section = static_cast<int>(i % static_cast<std::size_t>(sections));
+    f.section = i % static_cast<std::size_t>(sections);
     covered += f.area;
   }
   p.area_fraction = std::min(1.0, covered / p.observed_area);

@@ -26,10 +26,16 @@ Trial judge(const TrueSizes& truth, const SizeDistribution& d, bool intervals) {
   double inside = 0;
   for (std::size_t j = 0; j < d.classes(); ++j) {
     double value = 0, low = 0, high = 0;
-    for (const auto& e : d.shapes) value += e.N_V[j], low += e.low[j], high += e.high[j];
+    for (const auto& e : d.shapes) {
+      value += e.N_V[j];
+      low += e.low[j];
+      high += e.high[j];
+    }
     const double actual = truth.between(d.class_edges[j], d.class_edges[j + 1]);
     t.N_V.push_back(value);
-    t.error += std::abs(value - actual), t.total += value, inside += actual;
+    t.error += std::abs(value - actual);
+    t.total += value;
+    inside += actual;
     if (!intervals) continue;
     const double rounding = 1e-9 * truth.total();
     t.held += actual >= low - rounding && actual <= high + rounding;
@@ -48,8 +54,7 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
   const ProfileSampler sampler(truth, k);
   KMatrix upper = k;
   upper.averaging = "upper_edge";
-  const std::size_t methods = options.methods.size(),
-                    repetitions = static_cast<std::size_t>(options.repetitions);
+  const std::size_t methods = options.methods.size(), repetitions = options.repetitions;
   std::vector<Trial> trials(methods * repetitions);
   work.parallel(repetitions, 1, [&](std::size_t r, std::size_t) {
     const Profiles profiles = sampler.sample(options.profiles, options.sections, options.seed, r, work);
@@ -92,13 +97,20 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
         ++out.refused;
         continue;
       }
-      if (out.N_V.empty()) out.edges = std::move(t.edges), out.N_V = std::move(t.N_V);
-      out.error += t.error, squares += t.error * t.error, out.total += t.total;
-      held += t.held, intervals += t.intervals;
+      if (out.N_V.empty()) {
+        out.edges = std::move(t.edges);
+        out.N_V = std::move(t.N_V);
+      }
+      out.error += t.error;
+      squares += t.error * t.error;
+      out.total += t.total;
+      held += t.held;
+      intervals += t.intervals;
     }
     const double n = options.repetitions - out.refused;
     const double none = std::numeric_limits<double>::quiet_NaN();
-    out.error = n > 0 ? out.error / n : none, out.total = n > 0 ? out.total / n : none;
+    out.error = n > 0 ? out.error / n : none;
+    out.total = n > 0 ? out.total / n : none;
     out.error_of_mean =
         n > 1 ? std::sqrt(std::max(0.0, squares / n - out.error * out.error) / (n - 1)) : none;
     out.coverage = intervals > 0 ? static_cast<double>(held) / intervals : none;

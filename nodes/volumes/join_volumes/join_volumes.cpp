@@ -45,7 +45,7 @@ Volume Joiner::take() {
 
 double bytes_of(const Volume& block) {
   double bytes = 0;
-  for (const auto& grid : block.grids) bytes += static_cast<double>(grid->memUsage());
+  for (const auto& grid : block.grids) bytes += grid->memUsage();
   return bytes;
 }
 

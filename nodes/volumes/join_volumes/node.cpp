@@ -23,10 +23,10 @@ void compute(Context& c) {
     bytes += bytes_of(block);
     if (k == 0) first = bytes;
     // Refused before the first block is copied, if the others are as large.
-    require_memory(std::max(bytes, first * static_cast<double>(count)), c.memory(), "the joined volume");
+    require_memory(std::max(bytes, first * count), c.memory(), "the joined volume");
     if (!joiner) joiner.emplace(block);
     joiner->add(block);
-    c.work().progress(static_cast<double>(k + 1) / static_cast<double>(count));
+    c.work().progress(static_cast<double>(k + 1) / count);
   }
   const blocks::Box whole = grids.whole(c.boolean("periodic"));
   Volume out = joiner->take();
@@ -36,7 +36,7 @@ void compute(Context& c) {
     out.first = whole.low;
     out.extent = whole.size;
   }
-  c.metric("blocks", static_cast<double>(count));
+  c.metric("blocks", count);
   c.metric("voxels", whole.size.cast<double>().prod());
   c.output("volume", std::move(out));
 }

@@ -66,10 +66,9 @@ void place_volume(Volume& volume, const CellPlace& place) {
 std::shared_ptr<openvdb::GridBase> cell_grid(const std::string& name, const CellNumber& scalar,
                                              int components, const std::string& bytes, const CellPlace& place,
                                              int add, const Work& work) {
-  const std::size_t step = scalar.bytes * static_cast<std::size_t>(components);
+  const std::size_t step = scalar.bytes * components;
   const auto number = [&](std::size_t voxel, int k = 0) {
-    const double v =
-        scalar.read(bytes.data() + voxel * step + static_cast<std::size_t>(k) * scalar.bytes) + add;
+    const double v = scalar.read(bytes.data() + voxel * step + k * scalar.bytes) + add;
     if (!std::isfinite(v) || (scalar.whole ? std::abs(v) > 2147483647.0 : std::abs(v) > 3.4e38))
       throw Error("bad-values",
                   fmt::format("array '{}' has the value {} at voxel {}, which a grid cannot hold",

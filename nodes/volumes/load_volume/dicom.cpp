@@ -95,7 +95,7 @@ float stored_number(std::uint32_t bits, int count, bool has_sign) {
   const std::uint32_t mask = count >= 32 ? ~0u : (1u << count) - 1;
   bits &= mask;
   const bool negative = has_sign && (bits >> (count - 1) & 1);
-  return static_cast<float>(static_cast<std::int64_t>(bits) - (negative ? std::int64_t{1} << count : 0));
+  return static_cast<std::int64_t>(bits) - (negative ? std::int64_t{1} << count : 0);
 }
 
 void read_pixels(DcmDataset& set, DicomFile& s) {
@@ -145,8 +145,7 @@ void check_file(const std::filesystem::path& path, const Reading& reading) {
   constexpr double deflate = 1032;
   const std::string content = read_whole(path, reading);
   const bool deflated = content.substr(0, 1024).find("1.2.840.10008.1.2.1.99") != std::string::npos;
-  require_memory((deflated ? deflate : 3) * static_cast<double>(content.size()), reading.memory,
-                 "'" + path.string() + "'");
+  require_memory((deflated ? deflate : 3) * content.size(), reading.memory, "'" + path.string() + "'");
   check_nesting(content, path);
 }
 
@@ -155,10 +154,10 @@ void check_file(const std::filesystem::path& path, const Reading& reading) {
 // the file says neither.
 std::vector<double> frame_offsets(DcmDataset& set, std::size_t frames) {
   std::vector<double> at(frames);
-  if (numbers_of(set, DCM_GridFrameOffsetVector, false, static_cast<int>(frames), at.data())) return at;
+  if (numbers_of(set, DCM_GridFrameOffsetVector, false, frames, at.data())) return at;
   double step = 0;
   if (!numbers_of(set, DCM_SpacingBetweenSlices, false, 1, &step) || step == 0) return {};
-  for (std::size_t k = 0; k < frames; ++k) at[k] = step * static_cast<double>(k);
+  for (std::size_t k = 0; k < frames; ++k) at[k] = step * k;
   return at;
 }
 
@@ -188,7 +187,7 @@ void add_slices(DcmDataset& set, const DicomFile& file, std::size_t number, std:
   DcmSequenceOfItems *own = nullptr, *shared = nullptr;
   set.findAndGetSequence(DCM_PerFrameFunctionalGroupsSequence, own);
   set.findAndGetSequence(DCM_SharedFunctionalGroupsSequence, shared);
-  const auto frames = static_cast<std::size_t>(file.frames);
+  const std::size_t frames = file.frames;
   if (own && own->card() < frames)
     throw unreadable(file.path, fmt::format("it describes {} of its {} frames", own->card(), file.frames));
   const std::vector<double> offsets = own || frames < 2 ? std::vector<double>() : frame_offsets(set, frames);
@@ -310,7 +309,7 @@ double order(std::vector<Slice>& slices, const Vec3& normal, LoadedScan& scan) {
     worst = std::max(worst, std::abs(gaps[i] - step));
     total += gaps[i];
   }
-  const double mean = total / static_cast<double>(gaps.size());
+  const double mean = total / gaps.size();
   if (worst > 0.02 * step)
     scan.notes.push_back(fmt::format(
         "the slice spacing deviates by up to {:.2g} mm from its average of {:.4g} mm", worst, mean));
@@ -370,7 +369,7 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     // A file's values stay in memory; they are also in the volume and in the reoriented copy.
     reading.memory -= std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * files.back().values.size());
     require_one_series(files.front(), files.back());
-    work.progress(static_cast<double>(files.size()) / static_cast<double>(paths.size()));
+    work.progress(static_cast<double>(files.size()) / paths.size());
   }
   LoadedScan scan;
   const Slice first = slices.front();
@@ -384,15 +383,13 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
   }
   allocate(scan, paths[0].string(), given);
   // Each slice may have its own rescale (as in PET), so the values are rescaled here.
-  const std::size_t plane =
-      static_cast<std::size_t>(files[0].width) * static_cast<std::size_t>(files[0].height);
+  const std::size_t plane = static_cast<std::size_t>(files[0].width) * files[0].height;
   bool rescaled = true;
   std::size_t at = 0;
   for (const Slice& s : slices) {
     rescaled = rescaled && s.has_rescale;
     const float* values = files[s.file].values.data() + s.frame * plane;
-    for (std::size_t i = 0; i < plane; ++i)
-      scan.values[at++] = static_cast<float>(s.slope * values[i] + s.intercept);
+    for (std::size_t i = 0; i < plane; ++i) scan.values[at++] = s.slope * values[i] + s.intercept;
   }
   if (rescaled) {
     scan.slope = 1;

@@ -120,7 +120,8 @@ Volume read_content(const std::string& content, const std::string& wanted, std::
       reading.warn(fmt::format("the geometry '{}' is left out: only the first one is read", printable(name)));
       continue;
     }
-    geometry = found, arrays = cell_arrays(file, path, *found, reading);
+    geometry = found;
+    arrays = cell_arrays(file, path, *found, reading);
   }
   if (!geometry) throw Error("not-a-volume", "the file has no image geometry", "write voxels, not a mesh");
   if (arrays.empty()) throw Error("not-a-volume", "the file has no data of cells");
@@ -135,10 +136,9 @@ Volume read_content(const std::string& content, const std::string& wanted, std::
   const Vec3 mm = geometry->spacing.unaryExpr([](double v) { return to_mm(v); });
   const Vec3 first = geometry->origin.cwiseQuotient(geometry->spacing);
   const CellPlace place = cell_place(geometry->size, mm, first, spacing, reading);
-  double needed = static_cast<double>(content.size());
+  double needed = content.size();
   for (const Dream3dArray& a : arrays)
-    if (is_wanted(a))
-      needed += static_cast<double>(a.array.count()) * (4 + 2 * static_cast<double>(a.array.bytes));
+    if (is_wanted(a)) needed += a.array.count() * (4 + 2 * static_cast<double>(a.array.bytes));
   require_memory(needed, reading.memory, "the volume");
   Volume volume;
   std::string list;

@@ -119,7 +119,7 @@ void place_meta_axes(LoadedScan& s, const MetaHeader& header, std::size_t axes,
                      const std::filesystem::path& path) {
   const std::vector<double> spacing = numbers_in(header, {"ElementSpacing", "ElementSize"}, axes, path);
   for (std::size_t k = 0; k < std::min<std::size_t>(3, spacing.size()); ++k)
-    s.spacing[static_cast<Eigen::Index>(k)] = std::abs(spacing[k]) * meta_unit(header, path);
+    s.spacing[k] = std::abs(spacing[k]) * meta_unit(header, path);
   const std::vector<double> turned =
       numbers_in(header, {"TransformMatrix", "Rotation", "Orientation"}, axes * axes, path);
   Mat3 matrix = Mat3::Identity();
@@ -143,12 +143,10 @@ std::string_view meta_voxels(const MetaHeader& header, std::string_view data, bo
   const auto skipped = whole_number_in(text.empty() ? "0" : text);
   if (!skipped || *skipped < -1) throw bad_meta(path, "its HeaderSize is '" + printable(text) + "'");
   if (*skipped == -1)  // the voxels are at the end
-    return bytes > static_cast<double>(data.size())
-               ? data
-               : data.substr(data.size() - static_cast<std::size_t>(bytes));
+    return bytes > data.size() ? data : data.substr(data.size() - static_cast<std::size_t>(bytes));
   if (static_cast<std::uint64_t>(*skipped) > data.size())
     throw bad_meta(path, "its data file ends before its voxels");
-  return data.substr(static_cast<std::size_t>(*skipped));
+  return data.substr(*skipped);
 }
 
 }  // namespace
@@ -176,7 +174,7 @@ LoadedScan read_metaimage(const std::filesystem::path& path, const Work& work, c
   const auto axes = whole_number_in(header.field("NDims"));
   if (!axes || *axes < 2 || *axes > 10)
     throw bad_meta(path, "NDims is '" + printable(header.field("NDims")) + "'");
-  const auto dimensions = static_cast<std::size_t>(*axes);
+  const std::size_t dimensions = *axes;
   const std::vector<double> size = numbers_in(header, {"DimSize"}, dimensions, path);
   if (size.empty()) throw bad_meta(path, "it has no DimSize");
   LoadedScan s;
@@ -184,7 +182,7 @@ LoadedScan read_metaimage(const std::filesystem::path& path, const Work& work, c
   for (std::size_t k = 0; k < dimensions; ++k) {
     if (!(size[k] >= 1) || size[k] > (1 << 24) || size[k] != std::floor(size[k]))
       throw bad_meta(path, fmt::format("axis {} has {} voxels", k, size[k]));
-    if (k < 3) s.size[static_cast<Eigen::Index>(k)] = static_cast<int>(size[k]);
+    if (k < 3) s.size[k] = static_cast<int>(size[k]);
     if (k >= 3 && size[k] > 1)
       throw Error(
           "not-a-volume",
@@ -203,7 +201,7 @@ LoadedScan read_metaimage(const std::filesystem::path& path, const Work& work, c
   if (header.yes("CompressedData")) array.encoding = StoredArray::Encoding::Deflated;
   const bool local = data_path == path;
   const std::string other = local ? std::string() : read_whole(data_path, reading);
-  const double bytes = s.size.cast<double>().prod() * static_cast<double>(array.type.bytes);
+  const double bytes = s.size.cast<double>().prod() * array.type.bytes;
   array.data =
       meta_voxels(header, local ? std::string_view(content) : std::string_view(other), local, bytes, path);
   array.content = content.size() + other.size();

@@ -38,7 +38,7 @@ class MrcHeader {
 
 // The machine stamp, or where old programs left it out, the order in which the axes have numbers from 1 to 3.
 bool is_big_endian(std::string_view head) {
-  const auto stamp = static_cast<unsigned char>(head[212]);
+  const unsigned char stamp = head[212];
   if (stamp == 0x44 || stamp == 0x11) return stamp == 0x11;
   const std::int32_t column = MrcHeader(head, true).whole(17);
   return column >= 1 && column <= 3;
@@ -89,12 +89,11 @@ void place_mrc_axes(LoadedScan& s, const MrcHeader& h, const std::filesystem::pa
   for (std::size_t k = 0; k < 3; ++k) {
     const std::int32_t axis = unset ? static_cast<std::int32_t>(k) + 1 : h.whole(17 + k);
     if (axis < 1 || axis > 3) throw bad_mrc(path, fmt::format("axis {} of space does not exist", axis));
-    const auto to = static_cast<std::size_t>(axis - 1);
+    const std::size_t to = axis - 1;
     axes(axis - 1, static_cast<Eigen::Index>(k)) = 1;
     const double cell = h.real(11 + to) * kMmPerAngstrom;
     const std::int32_t intervals = h.whole(8 + to);
-    s.spacing[static_cast<Eigen::Index>(k)] =
-        intervals > 0 && std::isfinite(cell) && cell > 0 ? cell / intervals : 0;
+    s.spacing[k] = intervals > 0 && std::isfinite(cell) && cell > 0 ? cell / intervals : 0;
   }
   if (axes.determinant() == 0) throw bad_mrc(path, "two of its axes are the same");
   for (std::size_t k = 14; k < 17; ++k)
@@ -133,7 +132,7 @@ LoadedScan read_mrc(const std::filesystem::path& path, const Work& work, const R
   const std::int32_t extended = h.whole(24);
   if (extended < 0 || static_cast<std::size_t>(extended) > content.size() - kMrcHeader)
     throw bad_mrc(path, fmt::format("its extended header has {} bytes", extended));
-  array.data = std::string_view(content).substr(kMrcHeader + static_cast<std::size_t>(extended));
+  array.data = std::string_view(content).substr(kMrcHeader + extended);
   array.content = content.size();
   take_voxels(s, array, path, work, reading);
   place_mrc_axes(s, h, path);

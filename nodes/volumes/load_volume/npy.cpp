@@ -22,7 +22,7 @@ std::optional<NumberType> npy_type(std::string_view descr) {
   if (!descr.empty() && std::string_view("<>|=").find(descr[0]) != std::string_view::npos)
     descr.remove_prefix(1);
   if (descr.size() != 2) return {};
-  type.bytes = static_cast<std::size_t>(descr[1] - '0');
+  type.bytes = descr[1] - '0';
   const bool one_of_eight = type.bytes == 1 || type.bytes == 2 || type.bytes == 4 || type.bytes == 8;
   type.kind = descr[0] == 'i'   ? NumberType::Kind::Signed
               : descr[0] == 'f' ? NumberType::Kind::Float
@@ -110,9 +110,9 @@ LoadedScan read_npy(const std::filesystem::path& path, const Work& work, const R
         "select one component or one volume");
   LoadedScan s;
   for (int k = 0; k < 3; ++k) {
-    const std::int64_t n = shape[static_cast<std::size_t>(k)];
+    const std::int64_t n = shape[k];
     if (n > (1 << 24)) throw bad_npy(path, fmt::format("axis {} has {} voxels", k, n));
-    s.size[k] = static_cast<int>(n);
+    s.size[k] = n;
   }
   array.data = all.substr(data_at);
   array.content = content.size();

@@ -31,7 +31,7 @@ struct NrrdHeader {
 
 std::string lower(std::string text) {
   for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (c >= 'A' && c <= 'Z') c = c - 'A' + 'a';
   return text;
 }
 
@@ -218,7 +218,7 @@ void place_axes(LoadedScan& s, const std::vector<NrrdAxis>& axes, const std::str
                 const std::filesystem::path& path) {
   bool turned = true, united = true;
   for (int k = 0; k < 3; ++k) {
-    const NrrdAxis& axis = axes[static_cast<std::size_t>(k)];
+    const NrrdAxis& axis = axes[k];
     s.spacing[k] = axis.spacing * mm_per_unit(axis.unit, path);
     turned = turned && axis.direction;
     united = united && (!axis.unit.empty() || axis.spacing == 0);
@@ -228,8 +228,7 @@ void place_axes(LoadedScan& s, const std::vector<NrrdAxis>& axes, const std::str
   if (!turned) return;
   Mat3 matrix;
   const Vec3 signs = space_signs(space);
-  for (int k = 0; k < 3; ++k)
-    matrix.col(k) = signs.cwiseProduct(*axes[static_cast<std::size_t>(k)].direction);
+  for (int k = 0; k < 3; ++k) matrix.col(k) = signs.cwiseProduct(*axes[k].direction);
   if (std::abs(matrix.determinant()) < 1e-9 * s.spacing.prod())
     throw bad_nrrd(path, "its space directions lie in one plane");
   align_axes(s, matrix);
@@ -261,11 +260,11 @@ std::string_view after_skips(std::string_view data, const NrrdHeader& header, do
   }
   const std::int64_t skipped = skip("byte skip");
   if (skipped == -1) {  // the voxels are at the end
-    if (bytes > static_cast<double>(data.size())) return data;
+    if (bytes > data.size()) return data;
     return data.substr(data.size() - static_cast<std::size_t>(bytes));
   }
   if (static_cast<std::uint64_t>(skipped) > data.size()) throw bad_nrrd(path, "it ends before its voxels");
-  return data.substr(static_cast<std::size_t>(skipped));
+  return data.substr(skipped);
 }
 
 StoredArray::Encoding nrrd_encoding(const NrrdHeader& header, const std::filesystem::path& path) {
@@ -301,15 +300,15 @@ LoadedScan read_nrrd(const std::filesystem::path& path, const Work& work, const 
   leave_three(axes, path);
   LoadedScan s;
   for (int k = 0; k < 3; ++k) {
-    const std::int64_t n = axes[static_cast<std::size_t>(k)].size;
+    const std::int64_t n = axes[k].size;
     if (n > (1 << 24)) throw bad_nrrd(path, fmt::format("axis {} has {} voxels", k, n));
-    s.size[k] = static_cast<int>(n);
+    s.size[k] = n;
   }
   StoredArray array;
   array.type = nrrd_type(header, path);
   array.encoding = nrrd_encoding(header, path);
   const std::string other = attached ? std::string() : read_whole(data_path, reading);
-  const double bytes = s.size.cast<double>().prod() * static_cast<double>(array.type.bytes);
+  const double bytes = s.size.cast<double>().prod() * array.type.bytes;
   array.data = attached ? std::string_view(content).substr(header.end) : std::string_view(other);
   array.content = content.size() + other.size();
   if (array.encoding != StoredArray::Encoding::Deflated)

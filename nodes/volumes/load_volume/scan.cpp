@@ -43,7 +43,7 @@ void require_representable(const Vec3& s) {
 void check_plausible(double bytes, const std::filesystem::path& path) {
   std::error_code none;
   const auto size = std::filesystem::file_size(path, none);
-  if (none || bytes <= 2000.0 * static_cast<double>(size) + 1e6) return;
+  if (none || bytes <= 2000.0 * size + 1e6) return;
   throw Error("unreadable-volume",
               fmt::format("'{}' has {} bytes, too few for the {:.3g} bytes of voxels in its header",
                           path.string(), size, bytes),
@@ -59,7 +59,10 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
   for (const auto& o : orders) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) sum += std::abs(axes(o[k], k)) / axes.col(k).norm();
-    if (sum > best + 1e-9) best = sum, to = o;
+    if (sum > best + 1e-9) {
+      best = sum;
+      to = o;
+    }
   }
   double worst = 1;
   for (int k = 0; k < 3; ++k) worst = std::min(worst, std::abs(axes(to[k], k)) / axes.col(k).norm());
@@ -70,7 +73,8 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
   std::array<bool, 3> flipped{};
   bool same = true;
   for (int k = 0; k < 3; ++k) {
-    from[to[k]] = k, flipped[to[k]] = axes(to[k], k) < 0;
+    from[to[k]] = k;
+    flipped[to[k]] = axes(to[k], k) < 0;
     same = same && to[k] == k && axes(k, k) > 0;
   }
   if (same) return;
@@ -78,9 +82,12 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
   const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(old.x()),
                                              static_cast<std::size_t>(old.x()) * old.y()};
   const Vec3 spacing = s.spacing;
-  for (int k = 0; k < 3; ++k) s.size[k] = old[from[k]], s.spacing[k] = spacing[from[k]];
+  for (int k = 0; k < 3; ++k) {
+    s.size[k] = old[from[k]];
+    s.spacing[k] = spacing[from[k]];
+  }
   const auto at = [&](int axis, int i) {
-    return stride[from[axis]] * static_cast<std::size_t>(flipped[axis] ? s.size[axis] - 1 - i : i);
+    return stride[from[axis]] * (flipped[axis] ? s.size[axis] - 1 - i : i);
   };
   const auto turn = [&](auto& numbers) {
     if (numbers.empty()) return;

@@ -22,7 +22,7 @@ int sample_of(const StoredSamples& s, const std::optional<int>& channel, const s
         .parameter("channel");
   if (channel) return *channel;
   if (s.is_color) {
-    for (std::size_t p = 0; p < s.values.size() / static_cast<std::size_t>(s.count); ++p)
+    for (std::size_t p = 0; p < s.values.size() / s.count; ++p)
       if (s.at(p, 0) != s.at(p, 1) || s.at(p, 0) != s.at(p, 2))
         throw Error("not-a-volume", "'" + path.string() + "' is a color image",
                     "a volume needs one number per voxel: convert the images to gray, or set channel");
@@ -53,7 +53,7 @@ void note_kind(const StoredSamples& s, LoadedScan& scan) {
 
 // The float that a stored number becomes. Whole numbers are not rounded silently.
 float as_float(double stored, bool is_float) {
-  const auto kept = static_cast<float>(stored);
+  const float kept = stored;
   if (!is_float && double{kept} != stored)
     throw Error(
         "bad-values",
@@ -97,11 +97,8 @@ void append_page(const PictureContent& content, const ChosenPage& chosen, Loaded
   note_kind(s, scan);
   for (int y = s.height - 1; y >= 0; --y)
     for (int x = 0; x < s.width; ++x)
-      append(
-          scan,
-          s.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) + static_cast<std::size_t>(x),
-               sample),
-          s.is_float);
+      append(scan, s.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) + x, sample),
+             s.is_float);
   ++scan.size.z();
 }
 
@@ -118,7 +115,7 @@ LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Sl
       work.check();
       append_page(content, slice, scan, reading);
     }
-    work.progress(static_cast<double>(i + 1) / static_cast<double>(paths.size()));
+    work.progress(static_cast<double>(i + 1) / paths.size());
   }
   return scan;
 }

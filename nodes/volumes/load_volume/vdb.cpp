@@ -77,7 +77,7 @@ void copy_metadata(openvdb::MetaMap& to, const VdbMetadataMap& from) {
                                    meta.bytes.size(), value->size()));
     else {
       std::string sized(sizeof(std::uint32_t), '\0');
-      const auto size = static_cast<std::uint32_t>(meta.bytes.size());
+      const std::uint32_t size = meta.bytes.size();
       std::memcpy(sized.data(), &size, sizeof size);
       sized += meta.bytes;
       std::istringstream in(sized, std::ios::binary);
@@ -241,7 +241,7 @@ Volume read_content(std::string_view content, const std::string& wanted, const s
   const VdbHeader header = read_vdb_header(content);
   const std::vector<VdbGrid> grids = vdb_grids(content, header);
   Volume volume;
-  double needed = static_cast<double>(content.size());
+  double needed = content.size();
   // Grids that may be converted exist twice for a moment.
   const auto copied = [](const VdbGrid& g) {
     return g.metadata.count("stored_from") || g.name == "density" || !g.metadata.count("class");

@@ -65,7 +65,7 @@ class TreeWalk {
 
   static std::size_t bits_of(std::string_view mask) {
     std::size_t n = 0;
-    for (const char c : mask) n += static_cast<std::size_t>(std::popcount(static_cast<unsigned char>(c)));
+    for (const char c : mask) n += std::popcount(static_cast<unsigned char>(c));
     return n;
   }
 
@@ -201,7 +201,10 @@ std::vector<VdbGrid> vdb_grids(std::string_view bytes, const VdbHeader& header) 
     grid.unique_name = in.text();
     grid.name = grid.unique_name.substr(0, grid.unique_name.find('\x1e'));
     grid.type = in.text();
-    if (grid.type.ends_with(kHalf)) grid.half = true, grid.type.resize(grid.type.size() - kHalf.size());
+    if (grid.type.ends_with(kHalf)) {
+      grid.half = true;
+      grid.type.resize(grid.type.size() - kHalf.size());
+    }
     grid.parent = in.text();
     const auto at = in.take<std::uint64_t>();
     in.take(8);  // offset of its voxels

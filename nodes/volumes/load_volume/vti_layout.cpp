@@ -112,18 +112,19 @@ std::string inflate_blocks(VtiPiece piece, const VtiLayout& layout, std::size_t 
     if (p > (std::uint64_t{1} << 40)) throw bad_vti("a compressed block is too large");
     packed_bytes += p;
   }
-  const std::string packed = piece.take_after(header_bytes, static_cast<std::size_t>(packed_bytes));
+  const std::string packed = piece.take_after(header_bytes, packed_bytes);
   std::string out(expected, '\0');
   std::size_t from = 0, to = 0;
   for (std::size_t b = 0; b < blocks; ++b) {
-    const auto p = static_cast<std::size_t>(length_at(header, 3 + b, layout));
-    const auto u = static_cast<std::size_t>(b + 1 == blocks && rest ? rest : size);
+    const std::size_t p = length_at(header, 3 + b, layout);
+    const std::size_t u = b + 1 == blocks && rest ? rest : size;
     uLongf written = u;
     if (uncompress(reinterpret_cast<Bytef*>(out.data() + to), &written,
                    reinterpret_cast<const Bytef*>(packed.data() + from), p) != Z_OK ||
         written != u)
       throw bad_vti("its compressed data is damaged");
-    from += p, to += u;
+    from += p;
+    to += u;
   }
   return out;
 }
@@ -142,13 +143,13 @@ std::string ascii_bytes(const VtiArrayText& array, std::size_t bytes, std::size_
       throw bad_vti(fmt::format("array '{}' of {} has '{}' as number {}", printable(array.name),
                                 printable(array.type), printable(word), i + 1));
     if (floats) {
-      const float single = static_cast<float>(*real);
+      const float single = *real;
       out.append(bytes == 4 ? reinterpret_cast<const char*>(&single) : reinterpret_cast<const char*>(&*real),
                  bytes);
       continue;
     }
     // The lowest bytes of the number are the number of the smaller type, if they can hold it.
-    const auto bits = static_cast<int>(8 * bytes);
+    const int bits = 8 * bytes;
     const std::int64_t least = is_signed ? (bits == 64 ? *whole : -(std::int64_t{1} << (bits - 1))) : 0,
                        most = bits == 64 ? *whole : (std::int64_t{1} << (is_signed ? bits - 1 : bits)) - 1;
     if (*whole < least || *whole > most)
@@ -161,7 +162,8 @@ std::string ascii_bytes(const VtiArrayText& array, std::size_t bytes, std::size_
 
 VtiArrayText array_text(const pugi::xml_node& node) {
   VtiArrayText a;
-  a.name = node.attribute("Name").value(), a.type = node.attribute("type").value();
+  a.name = node.attribute("Name").value();
+  a.type = node.attribute("type").value();
   a.format = node.attribute("format").as_string("ascii");
   a.components = node.attribute("NumberOfComponents").as_int(1);
   a.offset = node.attribute("offset").as_ullong(0);
@@ -217,8 +219,10 @@ VtiLayout vti_layout(const std::string& content, const Reading& reading) {
     const double a = extent[2 * k], b = extent[2 * k + 1];
     if (!(std::abs(a) < (1 << 20)) || !(b > a) || !(b - a <= (1 << 24)))
       throw bad_vti(fmt::format("its extent along axis {} is {} to {}", k, a, b));
-    out.start[k] = static_cast<int>(a), out.size[k] = static_cast<int>(b - a);
-    out.origin[k] = origin[k], out.spacing[k] = spacing[k];
+    out.start[k] = static_cast<int>(a);
+    out.size[k] = static_cast<int>(b - a);
+    out.origin[k] = origin[k];
+    out.spacing[k] = spacing[k];
     voxels *= b - a;
   }
   if (voxels > 2147483648.0)
@@ -258,7 +262,7 @@ std::string vti_bytes(std::string_view content, const VtiLayout& layout, const V
   if (array.format == "appended") {
     if (layout.appended_at == 0 || array.offset > content.size() - layout.appended_at)
       throw bad_vti("its appended data is truncated");
-    data = content.substr(layout.appended_at + static_cast<std::size_t>(array.offset));
+    data = content.substr(layout.appended_at + array.offset);
     base64 = !layout.raw;
   } else if (array.format != "binary") {
     throw bad_vti("array '" + printable(array.name) + "' has the format '" + printable(array.format) + "'");

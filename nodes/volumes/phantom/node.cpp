@@ -18,15 +18,15 @@ void check(const NodeParameters& p) {
 
 void compute(Context& c) {
   LimbChoice limb;
-  limb.length = c.number("length"), limb.noise = c.number("noise");
+  limb.length = c.number("length");
+  limb.noise = c.number("noise");
   limb.seed = c.seed();
   const auto r = c.ints("resolution");
   if (r.size() == 3)
     limb.resolution = Vec3i(static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]));
   else
     for (int k = 0; k < 3; ++k)
-      limb.resolution[k] =
-          std::max(2, static_cast<int>(limb.box()[k] / limb.length * static_cast<double>(r[0]) + 0.5));
+      limb.resolution[k] = std::max(2, static_cast<int>(limb.box()[k] / limb.length * r[0] + 0.5));
   const std::vector<float> values = phantom::limb(limb, c.work().part(0, 0.9));
   Volume volume;
   add_number_grid(volume, "density", limb.resolution, limb.spacing(), c.work().part(0.9, 1),

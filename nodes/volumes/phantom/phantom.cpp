@@ -123,14 +123,13 @@ std::vector<float> limb(const LimbChoice& choice, const Work& work) {
   const std::size_t rows = static_cast<std::size_t>(n.y()) * n.z();
   work.parallel(rows, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
-      const int y = static_cast<int>(row % n.y()), z = static_cast<int>(row / n.y());
+      const int y = row % n.y(), z = row / n.y();
       for (int x = 0; x < n.x(); ++x) {
-        const std::size_t i = row * static_cast<std::size_t>(n.x()) + x;
+        const std::size_t i = row * n.x() + x;
         const Vec3 p = corner + (Vec3(x, y, z) + Vec3::Constant(0.5)).cwiseProduct(step);
         double v = body.value(p);
         if (choice.noise > 0) v += choice.noise * Random(choice.seed, 0x4c696d62, i).normal();
-        out[i] = static_cast<float>(
-            std::clamp(std::round(v), -1024.0, 3071.0));  // the range and integers that scanners store
+        out[i] = std::clamp(std::round(v), -1024.0, 3071.0);  // the range and integers that scanners store
       }
     }
   });

@@ -29,7 +29,7 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
   const auto each = [&](const auto& body) {
     work.parallel(total, 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
-        const int i = static_cast<int>(b);
+        const int i = b;
         body(b, Vec3i(i % count_.x(), i / count_.x() % count_.y(), i / count_.x() / count_.y()));
       }
     });
@@ -47,14 +47,15 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
       for (int y = 0; y <= kCells; ++y)
         for (int x = 0; x <= kCells; ++x) {
           const auto v = voxel(first.x() + x, first.y() + y, first.z() + z);
-          low = std::min(low, v), high = std::max(high, v);
+          low = std::min(low, v);
+          high = std::max(high, v);
         }
     if (any_visible(intervals, scan, low, high)) distance_[b] = 0;
   });
 
   std::size_t visible = 0;
   for (const auto d : distance_) visible += d == 0;
-  visible_share_ = static_cast<double>(visible) / static_cast<double>(total);
+  visible_share_ = static_cast<double>(visible) / total;
 
   // Chessboard distances, exact in two passes over thirteen neighbors each.
   const auto pass = [&](int sign) {
@@ -68,8 +69,7 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
           for (int k = 0; k < 13; ++k) {
             const int u = x + sign * (k % 3 - 1), v = y + sign * (k / 3 % 3 - 1), w = z + sign * (k / 9 - 1);
             if (u < 0 || v < 0 || w < 0 || u >= nx || v >= ny || w >= nz) continue;
-            d = static_cast<std::uint8_t>(
-                std::min<int>(d, std::min(254, int(distance_[index(u, v, w)])) + 1));
+            d = std::min<int>(d, std::min(254, int(distance_[index(u, v, w)])) + 1);
           }
         }
   };

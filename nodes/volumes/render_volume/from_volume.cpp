@@ -15,15 +15,14 @@ template <class Grid>
 std::vector<float> values_of(const Grid& grid, const openvdb::CoordBBox& box, const Work& work) {
   const openvdb::Coord n = box.dim();
   std::vector<float> out(static_cast<std::size_t>(n.x()) * n.y() * n.z());
-  work.parallel(static_cast<std::size_t>(n.z()), 1, [&](std::size_t begin, std::size_t end) {
+  work.parallel(n.z(), 1, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid.getConstAccessor();
     for (std::size_t z = begin; z < end; ++z)
       for (int y = 0; y < n.y(); ++y)
         for (int x = 0; x < n.x(); ++x)
           out[(z * static_cast<std::size_t>(n.y()) + static_cast<std::size_t>(y)) *
                   static_cast<std::size_t>(n.x()) +
-              static_cast<std::size_t>(x)] =
-              static_cast<float>(accessor.getValue(box.min().offsetBy(x, y, static_cast<int>(z))));
+              x] = static_cast<float>(accessor.getValue(box.min().offsetBy(x, y, static_cast<int>(z))));
   });
   return out;
 }
@@ -91,13 +90,13 @@ SolidTexture SolidTexture::of(const Volume& volume, const Work& work) {
                 "connect a solid texture, for example from SolidOptimize");
   const Vec3i size(box.dim().x(), box.dim().y(), box.dim().z());
   std::vector<Vec3f> colors(static_cast<std::size_t>(voxels));
-  work.parallel(static_cast<std::size_t>(size.z()), 1, [&](std::size_t begin, std::size_t end) {
+  work.parallel(size.z(), 1, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid->getConstAccessor();
     for (std::size_t z = begin; z < end; ++z)
       for (int y = 0; y < size.y(); ++y)
         for (int x = 0; x < size.x(); ++x) {
           const openvdb::Vec3s v = accessor.getValue(box.min().offsetBy(x, y, static_cast<int>(z)));
-          colors[(z * static_cast<std::size_t>(size.y()) + y) * size.x() + x] = Vec3f(v[0], v[1], v[2]);
+          colors[(z * size.y() + y) * size.x() + x] = Vec3f(v[0], v[1], v[2]);
         }
   });
   return SolidTexture(size, static_cast<float>(grid->voxelSize()[0]), colors, work);

@@ -117,10 +117,9 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
       continue;
     }
     const auto& levels = scene.textures[i].levels;
-    gl.start_texture(name, GL_LINEAR, GL_LINEAR_MIPMAP_NEAREST, GL_REPEAT, static_cast<int>(levels.size()));
+    gl.start_texture(name, GL_LINEAR, GL_LINEAR_MIPMAP_NEAREST, GL_REPEAT, levels.size());
     for (std::size_t l = 0; l < levels.size(); ++l)
-      gl.level(static_cast<int>(l), GL_RGBA16, levels[l].size, GL_RGBA, GL_UNSIGNED_SHORT,
-               levels[l].texels.data());
+      gl.level(l, GL_RGBA16, levels[l].size, GL_RGBA, GL_UNSIGNED_SHORT, levels[l].texels.data());
   }
   gl.check();
 
@@ -191,7 +190,7 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
       const Placement& p = t.at[s];
       const Vec3f inverse = scene_.textures[t.texture].levels[p.level].size.cast<float>().cwiseInverse();
       const Eigen::Matrix3f linear = inverse.asDiagonal() * p.linear;
-      const std::size_t k = i * kScales + static_cast<std::size_t>(s);
+      const std::size_t k = i * kScales + s;
       gl.UniformMatrix3fv(gl.at(fmt::format("place_linear[{}]", k)), 1, GL_FALSE, linear.data());
       // Placement counts from a texel's center, GL from its corner.
       gl.set(fmt::format("place_offset[{}]", k),
@@ -223,9 +222,7 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
   gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
   gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, read.data());
   for (std::size_t i = 0; i < pixels; ++i) {
-    const auto count = [&](int k) {
-      return static_cast<std::uint64_t>(read[4 * i + static_cast<std::size_t>(k)]);
-    };
+    const auto count = [&](int k) { return static_cast<std::uint64_t>(read[4 * i + k]); };
     counts += FrameCounts{count(0), count(1), count(2), count(3)};
   }
   gl.check();

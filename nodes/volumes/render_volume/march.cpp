@@ -27,7 +27,7 @@ using FourInts = std::int32_t __attribute__((vector_size(16)));
 [[gnu::always_inline]] inline float exp_minus(float x) {
   const float y = std::min(x, 80.0f) * -1.44269504f;
   const int i = static_cast<int>(y) - 1;
-  const float f = y - static_cast<float>(i);  // 0 … 1
+  const float f = y - i;  // 0 … 1
   const float p =
       1.0f +
       f * (0.69314718f +
@@ -75,9 +75,11 @@ struct Placed {
   Placed() = default;
   Placed(const SolidTexture& t, const Placement& p, float w) : level(&t.levels[p.level]), weight(w) {
     const Vec3f inverse = level->size.cast<float>().cwiseInverse();
-    x = four(inverse.cwiseProduct(p.linear.col(0))), y = four(inverse.cwiseProduct(p.linear.col(1))),
+    x = four(inverse.cwiseProduct(p.linear.col(0)));
+    y = four(inverse.cwiseProduct(p.linear.col(1)));
     z = four(inverse.cwiseProduct(p.linear.col(2)));
-    offset = four(inverse.cwiseProduct(p.offset)), size = four(level->size.cast<float>());
+    offset = four(inverse.cwiseProduct(p.offset));
+    size = four(level->size.cast<float>());
   }
 
   [[gnu::always_inline]] Four at(const Four& p) const {
@@ -164,12 +166,18 @@ class Marcher {
       const float safe = std::abs(direction[k]) < 1e-9f ? 1e-9f : direction[k];
       inverse[k] = 1 / safe;
       const float a = (frame_.low[k] - origin[k]) * inverse[k], b = (frame_.high[k] - origin[k]) * inverse[k];
-      if (std::min(a, b) > from) from = std::min(a, b), ray.entry = k;
+      if (std::min(a, b) > from) {
+        from = std::min(a, b);
+        ray.entry = k;
+      }
       to = std::min(to, std::max(a, b));
     }
     if (!(from < to)) return false;
-    ray.origin = four(origin), ray.direction = four(direction), ray.inverse = four(inverse);
-    ray.from = from, ray.to = to;
+    ray.origin = four(origin);
+    ray.direction = four(direction);
+    ray.inverse = four(inverse);
+    ray.from = from;
+    ray.to = to;
     Vec3f normal = Vec3f::Zero();
     normal[ray.entry] = direction[ray.entry] > 0 ? -1.0f : 1.0f;
     ray.facing = lambert(normal.dot(frame_.light));
@@ -226,7 +234,7 @@ class Marcher {
   }
 
   int interval(float d, int guess) const {
-    const int last = static_cast<int>(edges_.size());
+    const int last = edges_.size();
     while (guess < last && d >= edges_[guess]) ++guess;
     while (guess > 0 && d < edges_[guess - 1]) --guess;
     return guess;
@@ -267,7 +275,9 @@ class Marcher {
       if (!have) {
         have = true;
         if (k == 0) {
-          d0 = d1, t0 = t, i0 = interval(d1, 0);
+          d0 = d1;
+          t0 = t;
+          i0 = interval(d1, 0);
           cut = tissues_[i0] >= 0;  // the face cuts through tissue
           ++k;
           continue;
@@ -281,7 +291,9 @@ class Marcher {
       if (i0 != i1 || tissues_[i0] >= 0) {
         if (!see(cut, t0, t - t0, d0, d1, i0, i1)) return;
       }
-      d0 = d1, t0 = t, i0 = i1;
+      d0 = d1;
+      t0 = t;
+      i0 = i1;
       if (distance > 0)
         have = false;  // skip from here on
       else
@@ -345,12 +357,14 @@ class Marcher {
       inverse[k] = 1 / safe;
       ray.to = std::min(ray.to, ((safe > 0 ? frame_.high[k] : frame_.low[k]) - p[k]) * inverse[k]);
     }
-    ray.origin = p, ray.direction = four(direction), ray.inverse = four(inverse);
+    ray.origin = p;
+    ray.direction = four(direction);
+    ray.inverse = four(inverse);
     float depth = 0;
     if (ray.to > 0)
       walk(ray, counts, [&](bool, float, float length, float d0, float d1, int i0, int i1) {
         split(d0, d1, i0, i1, [&](int tissue, float from, float to, float) {
-          depth += (to - from) * length * frame_.tissues[static_cast<std::size_t>(tissue)].light_extinction;
+          depth += (to - from) * length * frame_.tissues[tissue].light_extinction;
         });
         return depth < kDark;
       });
@@ -380,8 +394,7 @@ class Marcher {
     if (look.noise && share > kFaint) {
       const Vec3f mm((p[0] - frame_.middle.x()) / per_mm_[0], (p[1] - frame_.middle.y()) / per_mm_[1],
                      (p[2] - frame_.middle.z()) / per_mm_[2]);
-      noise += float(scene_.look.skin_noise) *
-               simplex(static_cast<std::uint32_t>(scene_.look.seed), mm / float(scene_.look.skin_scale));
+      noise += float(scene_.look.skin_noise) * simplex(scene_.look.seed, mm / float(scene_.look.skin_scale));
     }
     color += four(look.color) * whole(bright * noise);
   }

@@ -33,10 +33,13 @@ std::array<double, N> exactly(const Context& c, const char* name) {
 
 Look look_of(const Context& c) {
   Look l;
-  l.width = static_cast<int>(c.integer("width")), l.height = static_cast<int>(c.integer("height"));
-  l.samples = static_cast<int>(c.integer("samples")), l.step = c.number("step");
+  l.width = c.integer("width");
+  l.height = c.integer("height");
+  l.samples = c.integer("samples");
+  l.step = c.number("step");
   l.textured = c.choice<Mode>("mode") == Mode::Textured;
-  l.scales = exactly<kScales>(c, "scales"), l.weights = exactly<kScales>(c, "weights");
+  l.scales = exactly<kScales>(c, "scales");
+  l.weights = exactly<kScales>(c, "weights");
   if (!(l.weights[0] + l.weights[1] + l.weights[2] > 0))
     throw bad("weights", "all weights are 0", "make at least one of them positive");
   l.turning = c.choice<Turning>("turning");
@@ -45,17 +48,21 @@ Look look_of(const Context& c) {
   if (!(window[1] > window[0]))
     throw bad("window", fmt::format("window goes from {} to {}", window[0], window[1]),
               "write the lower density first");
-  l.modulation = c.number("modulation"), l.opacity = c.number("opacity");
+  l.modulation = c.number("modulation");
+  l.opacity = c.number("opacity");
   l.ambient = c.number("ambient");
-  l.translucency = c.number("translucency"), l.penetration = c.number("penetration");
+  l.translucency = c.number("translucency");
+  l.penetration = c.number("penetration");
   const auto lamp = exactly<3>(c, "lamp");
   l.lamp = Vec3(lamp[0], lamp[1], lamp[2]);
   if (!(l.lamp.norm() > 1e-6))
     throw bad("lamp", "the lamp has no direction", "write three numbers that are not all 0");
-  l.skin_noise = c.number("skin_noise"), l.skin_scale = c.number("skin_scale");
+  l.skin_noise = c.number("skin_noise");
+  l.skin_scale = c.number("skin_scale");
   const auto clip = exactly<6>(c, "clip");
   for (int k = 0; k < 3; ++k) {
-    l.clip[0][k] = static_cast<float>(clip[2 * k]), l.clip[1][k] = static_cast<float>(clip[2 * k + 1]);
+    l.clip[0][k] = clip[2 * k];
+    l.clip[1][k] = clip[2 * k + 1];
     if (!(l.clip[1][k] > l.clip[0][k]))
       throw bad(
           "clip",
@@ -63,7 +70,9 @@ Look look_of(const Context& c) {
           "write x from, to, y from, to, z from, to, as fractions of the edges");
   }
   l.up = c.choice<int>("up");
-  l.azimuth = c.number("azimuth"), l.elevation = c.number("elevation"), l.zoom = c.number("zoom");
+  l.azimuth = c.number("azimuth");
+  l.elevation = c.number("elevation");
+  l.zoom = c.number("zoom");
   const auto b = c.numbers("background");
   l.background = Vec3f(float(b[0]), float(b[1]), float(b[2]));
   l.seed = c.seed();
@@ -111,7 +120,7 @@ void compute(Context& c) {
   }
   c.metric("visible_bricks", bricks.visible_share());
 
-  const int frames = static_cast<int>(c.integer("frames"));
+  const int frames = c.integer("frames");
   const auto gl = open_gl(
       c, "rendered", [&](GlDevice device) { return std::make_unique<GlMarcher>(scene, bricks, device); });
   if (!gl && c.watched()) show_coarse(c, scene, bricks);
@@ -131,9 +140,9 @@ void compute(Context& c) {
         {double(i), azimuth, double(counts.rays), double(counts.samples), double(counts.lookups)});
     total += counts;
   }
-  c.metric("rays", static_cast<double>(total.rays));
-  c.metric("samples", static_cast<double>(total.samples));
-  c.metric("texture_lookups", static_cast<double>(total.lookups));
+  c.metric("rays", total.rays);
+  c.metric("samples", total.samples);
+  c.metric("texture_lookups", total.lookups);
   c.output("image", std::move(image));
   c.output("table", std::move(table));
 }

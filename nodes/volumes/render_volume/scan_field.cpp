@@ -17,17 +17,19 @@ ScanField scan_field(const Vec3i& size, const Vec3& spacing, const std::vector<f
                             size.z()),
                 "use at least 2 voxels along each axis");
   ScanField f;
-  f.size = size, f.spacing = spacing.cast<float>();
+  f.size = size;
+  f.spacing = spacing.cast<float>();
   float low = values[0], high = values[0];
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i % (1u << 22) == 0) work.check();
     if (!std::isfinite(values[i])) {
-      const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y());
+      const std::size_t nx = size.x(), ny = size.y();
       throw Error("bad-values",
                   fmt::format("voxel ({}, {}, {}) is NaN or infinite", i % nx, i / nx % ny, i / nx / ny),
                   "replace NaN and infinity before this node");
     }
-    low = std::min(low, values[i]), high = std::max(high, values[i]);
+    low = std::min(low, values[i]);
+    high = std::max(high, values[i]);
   }
   if (!(high > low))
     throw Error("no-contrast", fmt::format("all voxels are {}", low),

@@ -13,10 +13,10 @@ namespace {
 Eigen::AlignedBox3f box_of_visible(const ScanField& scan, const DensityIntervals& intervals) {
   std::vector<char> visible(65536);
   for (std::size_t v = 0; v < visible.size(); ++v) {
-    const float density = scan.low + scan.step * static_cast<float>(v);
+    const float density = scan.low + scan.step * v;
     const auto k =
         std::upper_bound(intervals.edges.begin(), intervals.edges.end(), density) - intervals.edges.begin();
-    visible[v] = intervals.tissue[static_cast<std::size_t>(k)] >= 0;
+    visible[v] = intervals.tissue[k] >= 0;
   }
   Eigen::AlignedBox3i box;
   std::size_t i = 0;
@@ -27,7 +27,7 @@ Eigen::AlignedBox3f box_of_visible(const ScanField& scan, const DensityIntervals
       while (first <= last && !visible[row[first]]) ++first;
       while (last > first && !visible[row[last]]) --last;
       if (first <= last) box.extend(Vec3i(first, y, z)), box.extend(Vec3i(last, y, z));
-      i += static_cast<std::size_t>(scan.size.x());
+      i += scan.size.x();
     }
   if (box.isEmpty()) return {Vec3f(Vec3f::Zero()), Vec3f(Vec3f::Ones())};
   const Vec3f n = scan.size.cast<float>();
@@ -75,7 +75,9 @@ Camera camera_of(const Look& look, const Vec3f& half, float azimuth) {
   const int z = look.up, x = (z + 1) % 3, y = (z + 2) % 3;
   const auto turned = [&](const Vec3f& v) {
     Vec3f out;
-    out[x] = v.x(), out[y] = v.y(), out[z] = v.z();
+    out[x] = v.x();
+    out[y] = v.y();
+    out[z] = v.z();
     return out;
   };
   const Eigen::AlignedBox3f unit(Vec3f(Vec3f::Constant(-1)), Vec3f(Vec3f::Ones()));
@@ -86,12 +88,15 @@ Camera camera_of(const Look& look, const Vec3f& half, float azimuth) {
   for (int step = 0; step < 72; ++step)
     for (int k = 0; k < 8; ++k) {
       const Vec3f corner(k & 1 ? box.x() : -box.x(), k & 2 ? box.y() : -box.y(), k & 4 ? box.z() : -box.z());
-      const Vec3f v = Eigen::AngleAxisf(degree * 5 * static_cast<float>(step), Vec3f::UnitZ()) * corner;
+      const Vec3f v = Eigen::AngleAxisf(degree * 5 * step, Vec3f::UnitZ()) * corner;
       distance = std::max({distance, std::abs(v.dot(c.right)) / (fill * c.half_width) - v.dot(c.forward),
                            std::abs(v.dot(c.up)) / (fill * c.half_height) - v.dot(c.forward)});
     }
-  c.half_width /= static_cast<float>(look.zoom), c.half_height /= static_cast<float>(look.zoom);
-  c.forward = turned(c.forward), c.right = turned(c.right), c.up = turned(c.up);
+  c.half_width /= static_cast<float>(look.zoom);
+  c.half_height /= static_cast<float>(look.zoom);
+  c.forward = turned(c.forward);
+  c.right = turned(c.right);
+  c.up = turned(c.up);
   c.position = -c.forward * distance;
   return c;
 }
@@ -106,14 +111,15 @@ Frame frame_of(const Scene& scene, double azimuth) {
   f.per_mm = scan.spacing.cwiseInverse();
   f.middle = 0.5f * n + Vec3f::Constant(0.5f);
   for (int k = 0; k < 3; ++k) {
-    f.low[k] = 0.5f + n[k] * look.clip[0][k], f.high[k] = 0.5f + n[k] * look.clip[1][k];
+    f.low[k] = 0.5f + n[k] * look.clip[0][k];
+    f.high[k] = 0.5f + n[k] * look.clip[1][k];
   }
   // Frame only what is visible within the kept region.
   Eigen::AlignedBox3f kept(look.clip[0], look.clip[1]);
   if (const auto both = kept.intersection(scene.seen); !both.isEmpty()) kept = both;
   const Vec3f half = 0.5f * kept.sizes().cwiseProduct(extent);
   const Vec3f target = (kept.center() - Vec3f::Constant(0.5f)).cwiseProduct(extent);
-  f.camera = camera_of(look, half, static_cast<float>(azimuth));
+  f.camera = camera_of(look, half, azimuth);
   const float distance = -f.camera.position.dot(f.camera.forward);
   f.camera.position += target;
   const Vec3f lamp = look.lamp.cast<float>();
@@ -145,7 +151,7 @@ Frame frame_of(const Scene& scene, double azimuth) {
       l.texture = texture;
       for (int s = 0; s < kScales; ++s) {
         Placement p = placement(scene.textures[texture], look.scales[s], footprint, look.turning, look.seed,
-                                i * kScales + static_cast<std::size_t>(s));
+                                i * kScales + s);
         // Convert from mm to positions: texel = linear · spacing · (position − middle) + offset.
         p.linear = p.linear * scan.spacing.asDiagonal();
         p.offset -= p.linear * f.middle;

@@ -87,7 +87,10 @@ Frame frame_of(const Scene&, double azimuth);
 struct FrameCounts {
   std::uint64_t rays = 0, samples = 0, pieces = 0, lookups = 0;
   FrameCounts& operator+=(const FrameCounts& o) {
-    rays += o.rays, samples += o.samples, pieces += o.pieces, lookups += o.lookups;
+    rays += o.rays;
+    samples += o.samples;
+    pieces += o.pieces;
+    lookups += o.lookups;
     return *this;
   }
 };

@@ -17,8 +17,8 @@ std::vector<Vec3f> halved(const std::vector<Vec3f>& in, Vec3i& size, int axis, c
   const std::size_t stride = axis == 0   ? 1
                              : axis == 1 ? static_cast<std::size_t>(size.x())
                                          : static_cast<std::size_t>(size.x()) * size.y();
-  const std::size_t outer = in.size() / (stride * static_cast<std::size_t>(n));
-  std::vector<Vec3f> out(outer * stride * static_cast<std::size_t>(m));
+  const std::size_t outer = in.size() / (stride * n);
+  std::vector<Vec3f> out(outer * stride * m);
   const double ratio = static_cast<double>(n) / m;
   work.parallel(outer, 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t o = begin; o < end; ++o)

@@ -46,7 +46,8 @@ Tissue parse(const std::string& text) {
   if (!(in >> t.name >> low >> high)) throw bad(text, "it needs a name and a range");
   const auto a = number(low), b = number(high);
   if (!a || !b) throw bad(text, "'" + (a ? high : low) + "' is not a number");
-  t.low = *a, t.high = *b;
+  t.low = *a;
+  t.high = *b;
   if (!(t.low < t.high)) throw bad(text, fmt::format("its range from {} to {} is empty", t.low, t.high));
   while (in >> word) {
     if (word[0] == '#') {
@@ -104,9 +105,9 @@ DensityIntervals intervals_of(const std::vector<Tissue>& tissues) {
   DensityIntervals out;
   out.tissue.push_back(-1);
   for (std::size_t i = 0; i < tissues.size(); ++i) {
-    const auto low = static_cast<float>(tissues[i].low), high = static_cast<float>(tissues[i].high);
+    const float low = tissues[i].low, high = tissues[i].high;
     if (!out.edges.empty() && out.edges.back() == low) {
-      out.tissue.back() = static_cast<int>(i);
+      out.tissue.back() = i;
     } else {
       out.edges.push_back(low);
       out.tissue.push_back(static_cast<int>(i));

@@ -22,8 +22,7 @@ bool fits(const Vec3& box, double voxel) {
 std::string advice(const Vec3& box, std::int64_t wanted) {
   for (std::int64_t step = 1; step <= wanted; ++step)
     for (const std::int64_t n : {wanted - step, wanted + step})
-      if (n > 0 && fits(box, box.maxCoeff() / static_cast<double>(n)))
-        return fmt::format("resolution {} fits", n);
+      if (n > 0 && fits(box, box.maxCoeff() / n)) return fmt::format("resolution {} fits", n);
   return "choose a box whose edges are small multiples of one length";
 }
 
@@ -41,7 +40,7 @@ Lattice choose_lattice(const Vec3& box, const std::vector<std::int64_t>& resolut
         .parameter("resolution");
   Lattice out;
   if (resolution.size() == 1) {
-    out.voxel = box.maxCoeff() / static_cast<double>(resolution[0]);
+    out.voxel = box.maxCoeff() / resolution[0];
     if (!fits(box, out.voxel))
       throw Error("uneven-voxels",
                   fmt::format("every edge must be a whole number of voxels; {} voxels along the longest edge "
@@ -51,17 +50,16 @@ Lattice choose_lattice(const Vec3& box, const std::vector<std::int64_t>& resolut
                   advice(box, resolution[0]))
           .parameter("resolution");
   } else {
-    out.voxel = box.x() / static_cast<double>(resolution[0]);
+    out.voxel = box.x() / resolution[0];
     for (int a = 1; a < 3; ++a)
-      if (std::abs(box[a] / static_cast<double>(resolution[a]) / out.voxel - 1) > kTolerance)
+      if (std::abs(box[a] / resolution[a] / out.voxel - 1) > kTolerance)
         throw Error("uneven-voxels",
                     fmt::format("voxels must be cubes; they are {:.6g} × {:.6g} × {:.6g} mm", out.voxel,
-                                box.y() / static_cast<double>(resolution[1]),
-                                box.z() / static_cast<double>(resolution[2])),
+                                box.y() / resolution[1], box.z() / resolution[2]),
                     "set one number, the voxels along the longest edge")
             .parameter("resolution");
   }
-  for (int a = 0; a < 3; ++a) out.size[a] = static_cast<int>(std::lround(box[a] / out.voxel));
+  for (int a = 0; a < 3; ++a) out.size[a] = std::lround(box[a] / out.voxel);
   if (out.size.cast<double>().prod() > 4.1e9)
     throw Error("too-large",
                 fmt::format("{} × {} × {} voxels exceed the limit of 4.1·10⁹", out.size.x(), out.size.y(),

@@ -74,7 +74,8 @@ LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice,
   for (int a = 0; a < 3; ++a) {
     const double edge = lattice.size[a] * lattice.voxel, period = in[a] * voxel;
     const TileFit fit = fit_tile(edge, period);
-    periods_[a] = fit.periods, scale_[a] = fit.scale;
+    periods_[a] = fit.periods;
+    scale_[a] = fit.scale;
   }
   std::vector<Vec3f> source = dense(*grid, in, work);
   if (std::any_of(source.begin(), source.end(), [](const Vec3f& v) { return !v.allFinite(); }))

@@ -11,7 +11,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   Eigen::AlignedBox3d bounds;
   for (const auto& v : mesh.vertices) bounds.extend(v);
   spacing_ = bounds.sizes().maxCoeff() / cells;
-  far_ = static_cast<float>(band * spacing_);
+  far_ = band * spacing_;
   const int margin = static_cast<int>(std::ceil(band)) + 1;
   origin_ = bounds.min() - Vec3::Constant(margin * spacing_);
   box_.size = ((bounds.sizes() / spacing_).array().ceil().cast<int>() + 2 * margin + 1).matrix();
@@ -25,7 +25,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   nodes_.resize(box_.count());
   const AabbTree tree(mesh);
   const Vec3i blocks = (box_.size.array() + kBlock - 1) / kBlock;
-  work.parallel(static_cast<std::size_t>(blocks.prod()), 64, [&](std::size_t begin, std::size_t end) {
+  work.parallel(blocks.prod(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       const Vec3i lo =
           kBlock * Vec3i(b % blocks.x(), b / blocks.x() % blocks.y(), b / blocks.x() / blocks.y());
@@ -35,7 +35,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
           [&](const Vec3& cell) { return Vec3(origin_ + spacing_ * cell); },
           [&](int i, int j, int k, double d) {
             const std::size_t at = box_.index(i, j, k);
-            nodes_[at] = static_cast<float>(scan.inside[at] ? -d : d);
+            nodes_[at] = scan.inside[at] ? -d : d;
           });
     }
   });
@@ -48,7 +48,7 @@ float MeshSdf::at(const Vec3& p) const {
   for (int a = 0; a < 3; ++a) {
     if (!(q[a] >= 0) || q[a] >= box_.size[a] - 1) return far_;
     i[a] = static_cast<std::size_t>(q[a]);
-    t[a] = static_cast<float>(q[a] - static_cast<double>(i[a]));
+    t[a] = q[a] - static_cast<double>(i[a]);
   }
   const std::size_t sx = box_.size.x(), sxy = sx * box_.size.y();
   const float* n = nodes_.data() + i[2] * sxy + i[1] * sx + i[0];

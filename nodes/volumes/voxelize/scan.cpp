@@ -89,7 +89,7 @@ class Lines {
       }
       begin = end;
     }
-    const float all = static_cast<float>(lines_);
+    const float all = lines_;
     for (float& c : out.coverage) c = c >= all - 1e-3f ? 1.0f : c / all;
   }
 

@@ -10,7 +10,7 @@ namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
   const std::size_t n = static_cast<std::size_t>(lattice.x()) * lattice.y() * (z1 - z0);
-  coverage.assign(n, 0), owner.assign(n, kNone), shares.resize(static_cast<std::size_t>(z1 - z0));
+  coverage.assign(n, 0), owner.assign(n, kNone), shares.resize(z1 - z0);
   distance.assign(n, static_cast<float>(kBand)), id.assign(n, -1);
   if (has_voids) holes.assign(n, 0);
 }
@@ -43,13 +43,13 @@ void exact_distances(const Mesh& mesh, const CellBox& box, const Mat3& to_mesh, 
         block_distances(
             mesh, tree, lo, hi, kBlockReach / unit, kBand / unit,
             [&](int i, int j, int k) { return needed[at(i, j, k)] != 0; }, in_mesh,
-            [&](int i, int j, int k, double d) { distance[at(i, j, k)] = static_cast<float>(d * unit); });
+            [&](int i, int j, int k, double d) { distance[at(i, j, k)] = d * unit; });
       }
 }
 
 void sampled_distances(const MeshSdf& sdf, const CellBox& box, const Mat3& to_mesh, const Vec3& center,
                        double unit, const std::vector<std::uint8_t>& needed, std::vector<float>& distance) {
-  const float to_voxels = static_cast<float>(unit), band = static_cast<float>(kBand);
+  const float to_voxels = unit, band = kBand;
   std::size_t at = 0;
   for (int k = 0; k < box.size.z(); ++k)
     for (int j = 0; j < box.size.y(); ++j) {
@@ -79,7 +79,7 @@ void visit_plane(const Slab& slab, const Stamp& s, std::size_t plane, Visit&& vi
   const int z = slab.z0 + static_cast<int>(plane);
   for (int k = lo.z() + wrap_index(z - lo.z(), nz); k < hi.z(); k += nz)
     for (int j = lo.y(); j < hi.y(); ++j) {
-      const std::size_t row = slab.index(0, wrap_index(j, ny), static_cast<int>(plane));
+      const std::size_t row = slab.index(0, wrap_index(j, ny), plane);
       std::size_t from = s.box.index(lo.x(), j, k);
       int x = wrap_index(lo.x(), nx);
       for (int i = lo.x(); i < hi.x(); ++i, ++from, x = x + 1 == nx ? 0 : x + 1) visit(row + x, from);
@@ -87,7 +87,7 @@ void visit_plane(const Slab& slab, const Stamp& s, std::size_t plane, Visit&& vi
 }
 
 void share(Slab& slab, std::size_t plane, std::size_t at, std::int32_t particle, float cover) {
-  const auto cell = static_cast<std::uint32_t>(at - slab.index(0, 0, static_cast<int>(plane)));
+  const std::uint32_t cell = at - slab.index(0, 0, static_cast<int>(plane));
   std::int32_t& owner = slab.owner[at];
   if (owner == Slab::kNone) {
     owner = particle;
@@ -133,7 +133,7 @@ void add_distances(Stamp& stamp, const Slab& slab, const std::vector<std::uint8_
   std::vector<std::uint8_t> needed = stamp.scan.inside;
   for (std::size_t plane = 0; plane < static_cast<std::size_t>(slab.z1 - slab.z0); ++plane)
     visit_plane(slab, stamp, plane, [&](std::size_t to, std::size_t from) { needed[from] |= !taken[to]; });
-  const auto p = static_cast<std::size_t>(stamp.particle);
+  const std::size_t p = stamp.particle;
   const Pose pose(particles, p, voxel);
   const Mat3 to_mesh = pose.turn.transpose() * (voxel / particles.scale[p]);
   stamp.distance.assign(stamp.box.count(), static_cast<float>(kBand));
@@ -167,7 +167,7 @@ void add_stamps(Slab& slab, const std::vector<Stamp>& stamps, const Particles& p
 }
 
 void add_colors(const Slab& slab, std::size_t k, const Particles& particles, Vec3f* colors) {
-  const std::size_t first = slab.index(0, 0, static_cast<int>(k)), count = slab.index(0, 0, 1);
+  const std::size_t first = slab.index(0, 0, k), count = slab.index(0, 0, 1);
   for (std::size_t i = 0; i < count; ++i) {
     colors[i].setZero();
     if (const std::int32_t p = slab.owner[first + i]; p >= 0)

@@ -64,8 +64,10 @@ std::vector<Stamp> stamps_of(const std::vector<CellBox>& boxes, int z0, int z1, 
       const int a = std::max(lo, z0 + period * nz), b = std::min(hi, z1 + period * nz);
       if (a >= b) continue;
       Stamp s;
-      s.particle = static_cast<std::int32_t>(p), s.box = boxes[p];
-      s.box.lo.z() = a, s.box.size.z() = b - a;
+      s.particle = p;
+      s.box = boxes[p];
+      s.box.lo.z() = a;
+      s.box.size.z() = b - a;
       all.push_back(std::move(s));
     }
   }
@@ -102,7 +104,7 @@ class Slabs::Distances {
     std::erase_if(band_, [&](const auto& entry) { return uses[entry.first] <= kFew; });
     double done = 0;
     for (const auto& [key, band] : band_) {
-      const double next = done + 1.0 / static_cast<double>(band_.size());
+      const double next = done + 1.0 / band_.size();
       sdfs_.emplace(key, MeshSdf(shapes.shapes[key.first].mesh, key.second, band, work.part(done, next)));
       done = next;
     }
@@ -158,7 +160,7 @@ Slab Slabs::made(int z0, int z1, const Work& work) {
                              std::make_move_iterator(stamps.begin() + end));
     const Work part = work.part(double(begin) / stamps.size(), double(end) / stamps.size());
     const auto shape_of = [&](const Stamp& s) -> const Shape& {
-      return shapes_.shapes[static_cast<std::size_t>(particles_.shape[static_cast<std::size_t>(s.particle)])];
+      return shapes_.shapes[particles_.shape[static_cast<std::size_t>(s.particle)]];
     };
     part.part(0, 0.2).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
       for (std::size_t i = b; i < e; ++i)
@@ -167,7 +169,7 @@ Slab Slabs::made(int z0, int z1, const Work& work) {
     mark_inside(slab, batch, particles_, taken, part.part(0.2, 0.25));
     part.part(0.25, 0.8).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
       for (std::size_t i = b; i < e; ++i) {
-        const auto p = static_cast<std::size_t>(batch[i].particle);
+        const std::size_t p = batch[i].particle;
         if (!particles_.is_void(batch[i].particle))
           add_distances(batch[i], slab, taken, particles_, shape_of(batch[i]), distances_->of(p),
                         lattice_.voxel);

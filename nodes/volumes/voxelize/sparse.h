@@ -42,10 +42,13 @@ void add_voxels(Grid& grid, const openvdb::Coord& size, int z0, int z1, Value&& 
           for (int k = lo.z(); k < lo.z() + edge; ++k, ++at) {
             if (i >= size.x() || j >= size.y() || k >= z1) continue;
             const auto v = value(i, j, k);
-            if (active(v))
-              leaf->setValueOn(at, v), plain = false;
-            else
-              leaf->setValueOnly(at, v), plain = plain && v == background;
+            if (active(v)) {
+              leaf->setValueOn(at, v);
+              plain = false;
+            } else {
+              leaf->setValueOnly(at, v);
+              plain = plain && v == background;
+            }
           }
       if (!plain) leaves[n] = std::move(leaf);
     }

@@ -58,11 +58,12 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   std::optional<residual::ResidualField> field;
   if (detail) field.emplace(*detail, particles, voxel, residual::Keep::Values, work.part(0, 0.1));
   Slabs slabs(particles, shapes, lattice, intermediates, work.part(0.1, 0.3));
-  report.detail_periods = grain.periods(), report.detail_scale = grain.scale();
+  report.detail_periods = grain.periods();
+  report.detail_scale = grain.scale();
 
   using Vec3s = openvdb::Vec3s;
   const auto grid_color = [](const Vec3f& c) { return Vec3s(c.x(), c.y(), c.z()); };
-  const float band = static_cast<float>(kBand * voxel);
+  const float band = kBand * voxel;
   auto density = openvdb::FloatGrid::create(0.0f);
   auto surface = openvdb::FloatGrid::create(band);
   auto cd = openvdb::Vec3SGrid::create(grid_color(particles.binder_color));
@@ -85,8 +86,8 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   if (grain.periods().maxCoeff() > 1)
     for (std::size_t p = 0; p < particles.count(); ++p) {
       Random random(1, kShiftStream, p);
-      const int x = static_cast<int>(random.below(static_cast<std::uint64_t>(n.x())));
-      shifts.emplace_back(x, static_cast<int>(random.below(static_cast<std::uint64_t>(n.y()))));
+      const int x = random.below(static_cast<std::uint64_t>(n.x()));
+      shifts.emplace_back(x, static_cast<int>(random.below(n.y())));
     }
 
   std::vector<double> mesh_volumes, volumes;
@@ -122,8 +123,9 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
                     for (std::size_t i = k * plane; i < (k + 1) * plane; ++i) {
                       const float c = slab.coverage[i];
                       const float h = has_voids ? slab.holes[i] : 0;
-                      sum[0] += std::min(c, 1.0f), sum[1] += std::min(h, 1.0f),
-                          sum[2] += std::max(c + h - 1.0f, 0.0f);
+                      sum[0] += std::min(c, 1.0f);
+                      sum[1] += std::min(h, 1.0f);
+                      sum[2] += std::max(c + h - 1.0f, 0.0f);
                       color[i] =
                           c > 1 ? Vec3f(color[i] / c) : Vec3f(color[i] + (1 - c) * particles.binder_color);
                     }
@@ -142,10 +144,9 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
                       for (int j = 0; j < n.y(); ++j)
                         for (int i = 0; i < n.x(); ++i) {
                           const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
-                          colors[at] +=
-                              ids[at] < 0 || shifts.empty()
-                                  ? offsets[at]
-                                  : offsets[moved({i, j}, shifts[static_cast<std::size_t>(ids[at])], n)];
+                          colors[at] += ids[at] < 0 || shifts.empty()
+                                            ? offsets[at]
+                                            : offsets[moved({i, j}, shifts[ids[at]], n)];
                           colors[at] = srgb_to_linear(colors[at].cwiseMax(0.0f));
                         }
                     }
@@ -153,7 +154,9 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
                   return sum;
                 },
                 [](const Vec3& a, const Vec3& b) { return Vec3(a + b); });
-    covered += sums[0], hollow += sums[1], overlap += sums[2];
+    covered += sums[0];
+    hollow += sums[1];
+    overlap += sums[2];
     for (const std::int32_t p : slab.id)
       if (p >= 0) seen[p] = 1;
 
@@ -181,12 +184,13 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
           [](float v) { return v > 0; }, grids);
   }
   const double voxels = static_cast<double>(plane) * n.z();
-  report.volume_fraction = covered / voxels, report.overlap_fraction = overlap / voxels;
+  report.volume_fraction = covered / voxels;
+  report.overlap_fraction = overlap / voxels;
   report.void_fraction = hollow / voxels;
   for (std::size_t p = 0; p < volumes.size(); ++p)
     (particles.is_void(p) ? report.exact_void_fraction : report.exact_volume_fraction) +=
         volumes[p] / particles.box.prod();
-  report.without_voxel = static_cast<std::size_t>(std::count(seen.begin(), seen.end(), 0));
+  report.without_voxel = std::count(seen.begin(), seen.end(), 0);
 
   Volume out;
   out.resolution = n;

@@ -30,16 +30,23 @@ void print_plan(Session& session, const GraphOptions& o, bool reasons) {
       case Plan::Step::Unneeded:
         continue;
       case Plan::Step::Cached:
-        what = "cached", ++cached;
+        what = "cached";
+        ++cached;
         break;
       case Plan::Step::Compute:
-        what = "runs", ++compute;
+        what = "runs";
+        ++compute;
         break;
       case Plan::Step::Perhaps:
-        what = "may run", ++perhaps;
+        what = "may run";
+        ++perhaps;
         break;
     }
-    if (p.step != Plan::Step::Cached) seconds += p.seconds, bytes += p.bytes, unknown += p.seconds == 0;
+    if (p.step != Plan::Step::Cached) {
+      seconds += p.seconds;
+      bytes += p.bytes;
+      unknown += p.seconds == 0;
+    }
     std::string line = fmt::format("{:<{}}  {:<8}", graph.nodes[i].path, width, what);
     if (!reasons && p.step != Plan::Step::Cached && p.seconds > 0)
       line += fmt::format("{:.2f} s and {} when last computed", p.seconds, bytes_text(p.bytes));

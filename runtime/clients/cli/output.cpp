@@ -68,7 +68,7 @@ class EscapingBuffer : public std::streambuf {
   std::size_t unfinished() const {
     if (pending_.ends_with('\r')) return 1;
     for (std::size_t n = 1; n <= std::min<std::size_t>(3, pending_.size()); ++n) {
-      const auto byte = static_cast<unsigned char>(pending_[pending_.size() - n]);
+      const unsigned char byte = pending_[pending_.size() - n];
       if (byte < 0x80) return 0;
       if (byte < 0xc0) continue;
       const std::size_t length = byte >= 0xf0 ? 4 : byte >= 0xe0 ? 3 : 2;
@@ -83,7 +83,7 @@ class EscapingBuffer : public std::streambuf {
   }
   void put(std::string_view text) {
     errno = 0;
-    const auto size = static_cast<std::streamsize>(text.size());
+    const std::streamsize size = text.size();
     if (target_->sputn(text.data(), size) != size) fail();
   }
   void flush() {

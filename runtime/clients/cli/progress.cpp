@@ -22,7 +22,7 @@ ProgressLine::ProgressLine(Session& session, const std::vector<int>& targets, bo
       line_(!quiet && ::isatty(STDERR_FILENO)),
       quiet_(quiet) {
   waiting_ = needed_nodes(*graph_, targets.empty() ? graph_->sinks() : targets);
-  needed_ = static_cast<std::size_t>(std::count(waiting_.begin(), waiting_.end(), true));
+  needed_ = std::count(waiting_.begin(), waiting_.end(), true);
   expected_.resize(graph_->nodes.size(), 0);
   for (std::size_t i = 0; i < expected_.size(); ++i)
     if (waiting_[i] && line_) expected_[i] = session.known_seconds(graph_->nodes[i]);
@@ -51,7 +51,7 @@ void ProgressLine::progress(int node, double fraction, const std::string& note) 
 
 void ProgressLine::finished(int node, const NodeResult& r) {
   running_.erase(node);
-  waiting_[static_cast<std::size_t>(node)] = false;
+  waiting_[node] = false;
   ++done_;
   if (r.error || r.saved || (!quiet_ && !r.warnings.empty())) clear();
   if (r.error) std::cerr << r.error->text() << '\n';
@@ -61,9 +61,7 @@ void ProgressLine::finished(int node, const NodeResult& r) {
   if (!quiet_)
     for (const auto& w : r.warnings)
       std::cerr
-          << Diagnostic{Severity::Warning, "note", w, {}, graph_->nodes[static_cast<std::size_t>(node)].place,
-                        path(node),        {}}
-                 .text()
+          << Diagnostic{Severity::Warning, "note", w, {}, graph_->nodes[node].place, path(node), {}}.text()
           << '\n';
   draw(true);
 }

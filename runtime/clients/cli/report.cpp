@@ -18,10 +18,13 @@ using nlohmann::json;
 
 std::string bytes_text(std::uint64_t b) {
   if (b < 1000) return fmt::format("{} B", b);
-  double v = static_cast<double>(b);
+  double v = b;
   const char* units[] = {"B", "kB", "MB", "GB", "TB"};
   int u = 0;
-  while (v >= 1000 && u < 4) v /= 1000, ++u;
+  while (v >= 1000 && u < 4) {
+    v /= 1000;
+    ++u;
+  }
   return fmt::format("{:.1f} {}", v, units[u]);
 }
 
@@ -103,8 +106,10 @@ void print_metrics(std::ostream& out, const Graph& graph, const RunResult& run) 
     if (metrics.empty()) continue;
     std::string line = graph.nodes[i].path + ":";
     const char* between = " ";
-    for (const auto& [name, v] : metrics)
-      line += fmt::format("{}{} {:.4g}", between, name, v), between = ", ";
+    for (const auto& [name, v] : metrics) {
+      line += fmt::format("{}{} {:.4g}", between, name, v);
+      between = ", ";
+    }
     out << line << '\n';
   }
 }

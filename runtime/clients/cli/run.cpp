@@ -31,7 +31,7 @@ struct RunCommand : GraphOptions {
 // photograph.
 void print_output_tables(Evaluator& evaluator, const Graph& graph, const RunResult& result) {
   for (const auto& o : graph.outputs) {
-    const auto& node = result.nodes[static_cast<std::size_t>(o.wire.node)];
+    const auto& node = result.nodes[o.wire.node];
     const auto it = node.outputs.find(o.wire.port);
     if (it == node.outputs.end() || it->second.type != "Table") continue;
     const Value v = evaluator.value(graph, result, o.wire);
@@ -74,8 +74,10 @@ void write_report(const RunCommand& o, const fs::path& report, ProtectedFiles ke
                   const RunResult& result) {
   bool wrote = false;
   for (const auto& node : result.nodes)
-    for (const auto& f : node.files)
-      keep.add(fs::path(o.out) / f.path, "which this run has written"), wrote = true;
+    for (const auto& f : node.files) {
+      keep.add(fs::path(o.out) / f.path, "which this run has written");
+      wrote = true;
+    }
   if (o.report.empty() && !wrote) return;
   const auto json =
       report_json(*session.graph(), result, threads(o), session.overrides(), report.parent_path());

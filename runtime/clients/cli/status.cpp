@@ -77,7 +77,10 @@ json task_json(const slurm::Task& t) {
 json status_json(const SweepStatus& s, const QueueStatus& queue, double seconds_left) {
   json list = json::array(), jobs = json::array(), failures = json::array(), running = json::array();
   for (const auto& t : queue.tasks) list.push_back(task_json(t));
-  for (const auto& job : queue.jobs) jobs.push_back(task_json(job.task)), jobs.back()["role"] = job.role;
+  for (const auto& job : queue.jobs) {
+    jobs.push_back(task_json(job.task));
+    jobs.back()["role"] = job.role;
+  }
   for (const auto& log : s.logs)
     if (log.point > 0)
       running.push_back({{"point", s.sweep.points[log.point - 1].name()},
@@ -89,8 +92,10 @@ json status_json(const SweepStatus& s, const QueueStatus& queue, double seconds_
     json failure = {{"message", f.message}};
     if (f.point > 0) failure["point"] = s.sweep.points[f.point - 1].name();
     if (f.log >= 0) {
-      const LogStatus& log = s.logs[static_cast<std::size_t>(f.log)];
-      failure["worker"] = log.name, failure["host"] = log.host, failure["task"] = log.task;
+      const LogStatus& log = s.logs[f.log];
+      failure["worker"] = log.name;
+      failure["host"] = log.host;
+      failure["task"] = log.task;
       failure["log"] = log.text.string();
     }
     failures.push_back(failure);
@@ -121,10 +126,10 @@ void print_status(const SweepStatus& s, const std::optional<QueueStatus>& found,
   for (const auto& job : queue.jobs)
     std::cout << fmt::format("job {} {}: {}{}\n", job.task.id(), what_it_does(job), job.task.state,
                              job.task.node.empty() ? " (" + job.task.reason + ")" : " on " + job.task.node);
-  const auto now = static_cast<std::int64_t>(std::time(nullptr));
+  const std::int64_t now = std::time(nullptr);
   const auto at = [&](const LogStatus& log) {
     return fmt::format("{}, for {}", s.sweep.points[log.point - 1].name(),
-                       duration(static_cast<double>(std::max<std::int64_t>(0, now - log.since))));
+                       duration(std::max<std::int64_t>(0, now - log.since)));
   };
   std::size_t pending = 0;
   for (const auto& t : queue.tasks) {
@@ -151,7 +156,7 @@ void print_status(const SweepStatus& s, const std::optional<QueueStatus>& found,
     if (log.finished && log.name == job_role::finisher)
       std::cout << fmt::format("the rest of the graph is done ({} on {})\n", log.task, log.host);
   for (const auto& f : s.failures) {
-    const LogStatus* log = f.log < 0 ? nullptr : &s.logs[static_cast<std::size_t>(f.log)];
+    const LogStatus* log = f.log < 0 ? nullptr : &s.logs[f.log];
     std::cout << fmt::format(
         "{}{}: {}\n", f.point > 0 ? s.sweep.points[f.point - 1].name() : log->name,
         log && !log->host.empty() ? fmt::format(" on {} ({})", log->host, log->task) : "", f.message);
@@ -166,8 +171,10 @@ fs::path sweep_folder(const fs::path& folder) {
   if (fs::exists(folder / "sweep.json", error)) return out;
   for (std::size_t k = 1; fs::exists(round_folder(folder, k) / "sweep.json", error); ++k)
     if (const auto time = fs::last_write_time(round_folder(folder, k) / "sweep.json", error);
-        !error && (k == 1 || time > latest))
-      latest = time, out = round_folder(folder, k);
+        !error && (k == 1 || time > latest)) {
+      latest = time;
+      out = round_folder(folder, k);
+    }
   return out;
 }
 
@@ -192,15 +199,13 @@ void show_status(const StatusCommand& o) {
   const auto queue = queue_of(s, folder, o.folder);
   if (queue) forget_dead_workers(s, queue->tasks);
   for (const auto& job : queue.value_or(QueueStatus()).jobs)  // it is queued again
-    std::erase_if(s.failures, [&](const SweepFailure& f) {
-      return f.log >= 0 && s.logs[static_cast<std::size_t>(f.log)].name == job.role;
-    });
-  const auto left = static_cast<double>(s.count(State::Waiting) + s.count(State::Running));
-  const auto running = static_cast<double>(s.count(State::Running));
-  const double seconds_left = left == 0 ? 0
-                              : s.timed == 0 || running == 0
-                                  ? std::nan("")
-                                  : left * s.seconds / static_cast<double>(s.timed) / running;
+    std::erase_if(s.failures,
+                  [&](const SweepFailure& f) { return f.log >= 0 && s.logs[f.log].name == job.role; });
+  const double left = s.count(State::Waiting) + s.count(State::Running);
+  const double running = s.count(State::Running);
+  const double seconds_left = left == 0                      ? 0
+                              : s.timed == 0 || running == 0 ? std::nan("")
+                                                             : left * s.seconds / s.timed / running;
   if (o.json)
     std::cout << json_text(status_json(s, queue.value_or(QueueStatus()), seconds_left), 2) << '\n';
   else

@@ -7,7 +7,7 @@ namespace terrazzo::cli {
 namespace fs = std::filesystem;
 namespace {
 
-const GraphNode& at(const Graph& graph, int node) { return graph.nodes[static_cast<std::size_t>(node)]; }
+const GraphNode& at(const Graph& graph, int node) { return graph.nodes[node]; }
 
 const std::string& type_of(const Graph& graph, const Wire& w) {
   return at(graph, w.node).type->find_output(w.port)->types[0];
@@ -23,8 +23,8 @@ std::optional<Wire> nearest_upstream(const Graph& graph, const Wire& from, const
     for (const auto& [name, wires] : at(graph, node).inputs)
       for (const auto& w : wires) {
         if (type_of(graph, w) == type) return w;
-        if (!seen[static_cast<std::size_t>(w.node)]) next.push_back(w.node);
-        seen[static_cast<std::size_t>(w.node)] = true;
+        if (!seen[w.node]) next.push_back(w.node);
+        seen[w.node] = true;
       }
   }
   return {};

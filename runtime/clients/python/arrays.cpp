@@ -31,7 +31,7 @@ Extent extent_of(const py::array& a, bool color, const char* what) {
     throw Error("empty-image", fmt::format("{} is empty: {}", what, text_of(a)));
   constexpr py::ssize_t most = std::numeric_limits<int>::max();
   if (sections > most || height > most || width > most ||
-      static_cast<double>(sections) * static_cast<double>(height) * static_cast<double>(width) > 4e9)
+      static_cast<double>(sections) * static_cast<double>(height) * width > 4e9)
     throw Error("too-large", fmt::format("{} has more than 4·10⁹ pixels: {}", what, text_of(a)));
   return {static_cast<int>(width), static_cast<int>(height), static_cast<int>(sections)};
 }
@@ -78,7 +78,7 @@ py::object image(const py::object& object, double pixel_size, bool srgb) {
               fmt::format("the pixel ({}, {}) of the image is {}", i % e.width, i / e.width % e.height, v),
               "replace NaN and infinite values");
         if (srgb) v = v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-        out.pixels[i][c] = static_cast<float>(v);
+        out.pixels[i][c] = v;
       }
   }
   return to_python(Value::of(std::move(out)));
@@ -97,10 +97,12 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
   const Extent e = extent_of(a, false, "the array of labels");
   const auto data = numbers<std::int64_t>(a, "the labels");  // uint64 beyond int64 becomes negative
   const std::int64_t* in = data.data();
-  const std::size_t n = static_cast<std::size_t>(data.size()),
-                    plane = static_cast<std::size_t>(e.width) * e.height;
+  const std::size_t n = data.size(), plane = static_cast<std::size_t>(e.width) * e.height;
   Labels out;
-  out.width = e.width, out.height = e.height, out.sections = e.sections, out.pixel_size = pixel_size;
+  out.width = e.width;
+  out.height = e.height;
+  out.sections = e.sections;
+  out.pixel_size = pixel_size;
   require_memory(static_cast<double>(n) * 4 + static_cast<double>(plane) * 16, available_memory(),
                  "the labels");
   out.ids.resize(n);
@@ -126,8 +128,8 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
         throw Error("too-large", "the array has more than 2³¹ − 1 different labels");
       for (std::size_t i = 0; i < plane; ++i)
         if (pixels[i] != 0)
-          out.ids[s * plane + i] = static_cast<std::int32_t>(
-              last + 1 + (std::lower_bound(values.begin(), values.end(), pixels[i]) - values.begin()));
+          out.ids[s * plane + i] =
+              last + 1 + (std::lower_bound(values.begin(), values.end(), pixels[i]) - values.begin());
       last += static_cast<std::int64_t>(values.size());
     }
   }
@@ -149,7 +151,7 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
                     fmt::format("class {} is not in 0 to 1,000,000", static_cast<std::uint64_t>(v)));
       if (v < 0 || v > 1'000'000)
         throw Error("bad-labels", fmt::format("class {} is not in 0 to 1,000,000", v));
-      out.classes[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(v);
+      out.classes[i] = v;
     }
   }
   return to_python(Value::of(std::move(out)));
@@ -182,7 +184,7 @@ Mesh mesh_of(const py::object& vertices, const py::object& triangles) {
         throw Error("bad-mesh",
                     fmt::format("triangle {} names vertex {}, but there are {}", i, at, v.shape(0)),
                     "vertices are numbered from 0");
-      corner[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(at);
+      corner[k] = at;
     }
     mesh.triangles.push_back(corner);
   }

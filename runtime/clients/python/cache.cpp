@@ -23,10 +23,16 @@ py::dict stats(const std::string& folder) {
   }
   py::dict types, out;
   for (const auto& [type, kind] : s.by_type) types[type.c_str()] = py::make_tuple(kind.count, kind.bytes);
-  out["folder"] = folder, out["bytes"] = s.bytes(), out["limit"] = default_cache_limit;
-  out["values"] = s.values.count, out["value_bytes"] = s.values.bytes, out["records"] = s.records.count;
+  out["folder"] = folder;
+  out["bytes"] = s.bytes();
+  out["limit"] = default_cache_limit;
+  out["values"] = s.values.count;
+  out["value_bytes"] = s.values.bytes;
+  out["records"] = s.records.count;
   out["values_in_records"] = s.in_records;
-  out["record_bytes"] = s.records.bytes, out["seconds"] = s.seconds, out["types"] = types;
+  out["record_bytes"] = s.records.bytes;
+  out["seconds"] = s.seconds;
+  out["types"] = types;
   return out;
 }
 
@@ -38,9 +44,12 @@ py::dict collect(const std::string& folder, std::uint64_t limit) {
     c = collect_cache(folder, limit);
   }
   py::dict out;
-  out["values"] = c.values, out["records"] = c.records, out["leftovers"] = c.leftovers,
+  out["values"] = c.values;
+  out["records"] = c.records;
+  out["leftovers"] = c.leftovers;
   out["bytes"] = c.bytes;
-  out["left"] = c.left, out["busy"] = c.busy;
+  out["left"] = c.left;
+  out["busy"] = c.busy;
   return out;
 }
 
@@ -68,8 +77,12 @@ py::dict verify(const std::string& folder, std::uint64_t sample, std::uint64_t s
     v = future.get();
   }
   py::dict out;
-  out["values"] = v.values, out["records"] = v.records, out["damaged"] = v.damaged;
-  out["recomputed"] = v.recomputed, out["skipped"] = v.passed_over, out["differing"] = v.differing;
+  out["values"] = v.values;
+  out["records"] = v.records;
+  out["damaged"] = v.damaged;
+  out["recomputed"] = v.recomputed;
+  out["skipped"] = v.passed_over;
+  out["differing"] = v.differing;
   return out;
 }
 

@@ -69,7 +69,9 @@ py::list parameters(const GraphObject& g) {
   py::list out;
   for (const auto& p : g.document().parameters) {
     py::dict d;
-    d["name"] = p.declaration.name, d["type"] = name_of(p.declaration.kind), d["doc"] = p.declaration.doc;
+    d["name"] = p.declaration.name;
+    d["type"] = name_of(p.declaration.kind);
+    d["doc"] = p.declaration.doc;
     d["unit"] = p.declaration.unit;
     d["value"] = p.value.written.is_list         ? py::object(py::cast(p.value.written.items))
                  : p.value.written.items.empty() ? py::object(py::none())
@@ -89,15 +91,21 @@ void add_parameter(GraphObject& g, const std::string& name, const std::string& t
        {ParameterKind::InputPath, ParameterKind::Int, ParameterKind::Number, ParameterKind::Bool,
         ParameterKind::Text, ParameterKind::Choice, ParameterKind::Color, ParameterKind::Numbers,
         ParameterKind::Ints, ParameterKind::Texts})
-    if (name_of(kind) == type) p.declaration.kind = kind, known = true;
+    if (name_of(kind) == type) {
+      p.declaration.kind = kind;
+      known = true;
+    }
   if (!known)
     throw Error("unknown-type", fmt::format("a parameter cannot have the type '{}'", type),
                 "use path, int, number, bool, text, choice, color, numbers, ints or texts");
   p.place = callers_place();
-  p.declaration.name = name, p.declaration.doc = doc, p.declaration.unit = unit;
+  p.declaration.name = name;
+  p.declaration.doc = doc;
+  p.declaration.unit = unit;
   if (!min.is_none()) p.declaration.min = min.cast<double>();
   if (!max.is_none()) p.declaration.max = max.cast<double>();
-  p.declaration.choices = choices, p.declaration.keywords = keywords;
+  p.declaration.choices = choices;
+  p.declaration.keywords = keywords;
   if (!value.is_none()) p.value = {written_value(plain(value)), p.place};
   g.add_parameter(std::move(p));
 }
@@ -249,7 +257,9 @@ void bind_graph(py::module_& m) {
       .def(py::init(
                [](const std::string& cache, std::uint64_t memory, std::uint64_t file_memory, int threads) {
                  SessionOptions o;
-                 o.cache_folder = cache, o.file_memory = file_memory, o.threads = threads;
+                 o.cache_folder = cache;
+                 o.file_memory = file_memory;
+                 o.threads = threads;
                  if (memory > 0) o.memory = memory;
                  return std::make_unique<GraphObject>(o, callers_place().file);
                }),

@@ -100,7 +100,8 @@ void GraphObject::apply(RawNode& node, const NodeType& type, const Edit& edit) {
       put(node.params, name, std::move(raw));
     } catch (const Error& e) {
       Diagnostic d = e.diagnostic();
-      d.node = node.name, d.place = edit.place;
+      d.node = node.name;
+      d.place = edit.place;
       if (d.parameter.empty() && d.code == "bad-value") d.parameter = name;
       throw Error(d);
     }
@@ -127,7 +128,8 @@ std::string GraphObject::add(const std::string& type_name, std::string name, con
     if (index_.count(name)) throw Error("duplicate-key", fmt::format("there is already a node '{}'", name));
   }
   node.name = name.empty() ? free_name(snake_case(type_name)) : name;
-  node.type = type_name, node.place = node.kind_place = edit.place;
+  node.type = type_name;
+  node.place = node.kind_place = edit.place;
   Undo undo(document_);
   try {
     apply(node, *type, edit);
@@ -153,7 +155,8 @@ std::string GraphObject::add_subgraph(const fs::path& file, std::string name, co
     if (index_.count(name)) throw Error("duplicate-key", fmt::format("there is already a node '{}'", name));
   }
   node.name = name.empty() ? free_name(absolute.stem().string()) : name;
-  node.graph = absolute.string(), node.place = node.kind_place = edit.place;
+  node.graph = absolute.string();
+  node.place = node.kind_place = edit.place;
   Undo undo(document_);
   try {
     apply(node, type, edit);

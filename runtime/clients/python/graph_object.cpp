@@ -56,7 +56,9 @@ void GraphObject::open_text(const std::string& text, const fs::path& file) {
     raise(found);
   }
   if (doc.file.empty()) doc.file = document_.file;
-  document_ = std::move(doc), original_ = text, overrides_ = {};
+  document_ = std::move(doc);
+  original_ = text;
+  overrides_ = {};
   opened_ = file.empty() ? fs::path() : document_.file;
   given_.clear();
   for (const RawNode& node : document_.nodes)
@@ -104,7 +106,7 @@ const NodeType& GraphObject::type_of(const std::string& node) {
   if (node.find('/') != std::string::npos) {
     link();
     const auto graph = session().graph();
-    if (const int i = graph->find(node); i >= 0) return *graph->nodes[static_cast<std::size_t>(i)].type;
+    if (const int i = graph->find(node); i >= 0) return *graph->nodes[i].type;
   }
   std::vector<std::string> names;
   for (const auto& n : document_.nodes) names.push_back(n.name);
@@ -116,7 +118,10 @@ std::string GraphObject::free_name(const std::string& like) const {
   const auto name = [&](int k) { return fmt::format("{}_{}", like, k); };
   // Numbers are mostly taken from 2 on, so this finds the first free one without trying them all.
   int taken = 1, free = 2;
-  while (index_.count(name(free))) taken = free, free *= 2;
+  while (index_.count(name(free))) {
+    taken = free;
+    free *= 2;
+  }
   while (free - taken > 1) (index_.count(name((taken + free) / 2)) ? taken : free) = (taken + free) / 2;
   return name(free);
 }
@@ -147,7 +152,8 @@ const Diagnostics& GraphObject::link() {
   }
   Diagnostics found = session().open_document(std::move(document), overrides_);
   throw_if_wrong(found);
-  found_ = std::move(found), linked_ = revision_;
+  found_ = std::move(found);
+  linked_ = revision_;
   return found_;
 }
 
@@ -173,7 +179,7 @@ std::vector<std::string> GraphObject::targets(const std::vector<std::string>& gi
   if (!given.empty() || inner_outputs_.empty()) return out;
   Graph graph = *session().graph();  // the default targets, without these outputs
   std::erase_if(graph.outputs, [&](const GraphOutput& o) { return inner_outputs_.count(o.name) > 0; });
-  for (const int sink : graph.sinks()) out.push_back(graph.nodes[static_cast<std::size_t>(sink)].path);
+  for (const int sink : graph.sinks()) out.push_back(graph.nodes[sink].path);
   return out;
 }
 
@@ -183,9 +189,7 @@ Value GraphObject::known(const std::string& output) {
   const Known& k = it->second;
   try {
     for (const auto& [node, reads] : k.reads)
-      if (input_files(k.graph->nodes[static_cast<std::size_t>(node)], session_->evaluator().hashes()).read !=
-          reads)
-        return {};
+      if (input_files(k.graph->nodes[node], session_->evaluator().hashes()).read != reads) return {};
   } catch (const Error&) {
     return {};  // the evaluation reports it
   }
@@ -198,9 +202,10 @@ Value GraphObject::known(const std::string& output) {
 void GraphObject::remember(const std::string& output, std::uint64_t revision, const Graph& graph,
                            const RunResult& result, const Wire& wire) {
   Known k;
-  k.revision = revision, k.graph = session().graph();
+  k.revision = revision;
+  k.graph = session().graph();
   if (k.graph.get() != &graph) return;  // changed meanwhile
-  k.record = result.nodes[static_cast<std::size_t>(wire.node)].outputs.at(wire.port);
+  k.record = result.nodes[wire.node].outputs.at(wire.port);
   const auto needed = needed_nodes(graph, {wire.node});
   for (std::size_t i = 0; i < needed.size(); ++i)
     if (needed[i] && !result.nodes[i].read.empty())

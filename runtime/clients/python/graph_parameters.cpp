@@ -55,7 +55,8 @@ void GraphObject::set_port(bool output, const std::string& name, const std::stri
 }
 
 void GraphObject::set_name(const std::string& name, const std::string& doc) {
-  document_.name = name, document_.doc = doc;
+  document_.name = name;
+  document_.doc = doc;
   changed();
 }
 
@@ -79,7 +80,7 @@ py::object GraphObject::parameter(const std::string& node, const std::string& na
     if (at < 0)
       throw Error("unknown-node", fmt::format("'{}' is an element of a subgraph", node),
                   "read the parameters of the nodes inside it");
-    const auto& set = graph->nodes[static_cast<std::size_t>(at)].parameters;
+    const auto& set = graph->nodes[at].parameters;
     if (const auto it = set.find(name); it != set.end()) value = it->second.value;
   }
   return value ? py::cast(*value) : py::none();

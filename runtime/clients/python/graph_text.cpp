@@ -35,7 +35,8 @@ RawDocument GraphObject::savable(const StandIns& stand_ins, Overrides& overrides
     }
     const StandIn& s = it->second;
     outputs[node.name + ".value"] = node.name + "." + s.output;
-    node.type = s.type, node.params.clear();
+    node.type = s.type;
+    node.params.clear();
     const NodeType* type = registry().find(s.type);
     for (const auto& [name, value] : s.params) {
       RawValue raw{written_value(value), place};

@@ -13,7 +13,9 @@ std::string GraphObject::give(const Value& value, const std::string& like, const
     if (node.type == type && !node.params.empty() && node.params[0].second.written.items[0] == kept->content)
       return node.name + ".value";
   RawNode node;
-  node.name = free_name(like), node.place = node.kind_place = place, node.type = type;
+  node.name = free_name(like);
+  node.place = node.kind_place = place;
+  node.type = type;
   node.params.push_back({"content", {{false, {kept->content}, {}}, place}});
   given_[kept->content] = kept;
   index_[node.name] = document_.nodes.size();

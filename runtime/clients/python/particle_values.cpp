@@ -73,9 +73,9 @@ void bind_shapes(py::module_& m) {
       .def("__len__", [](const py::object& s) { return the<Shapes>(s).shapes.size(); })
       .def("__getitem__", [](const py::object& s, py::ssize_t i) {
         const auto& v = the<Shapes>(s).shapes;
-        const auto n = static_cast<py::ssize_t>(v.size());
+        const py::ssize_t n = v.size();
         if (i < -n || i >= n) throw py::index_error(fmt::format("there is no shape {} of {}", i, n));
-        return ShapePart{s, &v[static_cast<std::size_t>(i < 0 ? i + n : i)]};
+        return ShapePart{s, &v[i < 0 ? i + n : i]};
       });
 }
 

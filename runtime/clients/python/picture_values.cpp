@@ -117,9 +117,9 @@ void bind_profiles(py::module_& m) {
       "contour",
       [](const py::object& s, py::ssize_t i) {
         const auto& p = the<Profiles>(s).profiles;
-        const auto n = static_cast<py::ssize_t>(p.size());
+        const py::ssize_t n = p.size();
         if (i < -n || i >= n) throw py::index_error(fmt::format("there is no profile {} of {}", i, n));
-        return rows(s, p[static_cast<std::size_t>(i < 0 ? i + n : i)].contour);
+        return rows(s, p[i < 0 ? i + n : i].contour);
       },
       py::arg("index"),
       "float64 (m, 2): the outer outline of one profile in mm like `centroid`, counterclockwise, the first "

@@ -159,7 +159,8 @@ void compute(Context& c) {
 
 Port port_of(const py::handle& h) {
   Port p;
-  p.name = h["name"].cast<std::string>(), p.doc = utf8(h["doc"]);
+  p.name = h["name"].cast<std::string>();
+  p.doc = utf8(h["doc"]);
   p.types = {h["type"].cast<std::string>()};
   if (h.contains("optional")) p.optional = h["optional"].cast<bool>();
   if (h.contains("many")) p.many = h["many"].cast<bool>();
@@ -173,9 +174,13 @@ Parameter parameter_of(const py::handle& h) {
   for (const auto k : {ParameterKind::Bool, ParameterKind::Int, ParameterKind::Number, ParameterKind::Choice,
                        ParameterKind::Text, ParameterKind::Ints, ParameterKind::Numbers, ParameterKind::Texts,
                        ParameterKind::InputPath})
-    if (name_of(k) == kind) p.kind = k, known = true;
+    if (name_of(k) == kind) {
+      p.kind = k;
+      known = true;
+    }
   if (!known) throw Error("bad-node-type", "a parameter cannot have the kind " + kind);
-  p.name = h["name"].cast<std::string>(), p.doc = utf8(h["doc"]);
+  p.name = h["name"].cast<std::string>();
+  p.doc = utf8(h["doc"]);
   p.unit = utf8(h["unit"]);
   p.choices = h["choices"].cast<std::vector<std::string>>();
   if (!h["min"].is_none()) p.min = h["min"].cast<double>();
@@ -202,7 +207,9 @@ void define(const std::string& name, int version, const std::string& doc, const 
   for (const auto& h : inputs) node.inputs.push_back(port_of(h));
   for (const auto& h : outputs) node.outputs.push_back(port_of(h));
   for (const auto& h : parameters) node.parameters.push_back(parameter_of(h));
-  type.inputs = node.inputs, type.outputs = node.outputs, type.parameters = node.parameters;
+  type.inputs = node.inputs;
+  type.outputs = node.outputs;
+  type.parameters = node.parameters;
   type.parameter(Parameter::text(kSource, source).doc_("Hash of the function's source. Set by Python."));
   registry().replace(std::move(type));
   functions()[source] = std::move(node);

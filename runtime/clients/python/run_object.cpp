@@ -42,10 +42,16 @@ std::unique_ptr<py::error_already_set> raised_by_signal() {
 bool exiting() { return ended; }
 
 InCode::InCode() : counted(!ended || depth > 0) {
-  if (counted) ++threads_in_code, ++depth;
+  if (counted) {
+    ++threads_in_code;
+    ++depth;
+  }
 }
 InCode::~InCode() {
-  if (counted) --depth, --threads_in_code;
+  if (counted) {
+    --depth;
+    --threads_in_code;
+  }
 }
 
 namespace {
@@ -62,7 +68,7 @@ void require_living_process() {
 
 void require_workers(int threads) {
   require_living_process();
-  if (threads == 0) threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
   if (threads > threads_with_room) {
     require_room_for_threads(threads - threads_with_room);
     threads_with_room = threads;
@@ -108,7 +114,9 @@ RunObject::RunObject(py::object graph, const std::vector<std::string>& targets,
   threads_ = asked > 0 ? asked : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   require_workers(threads_);
   session.set_output_folder(out);
-  revision_ = owner_.revision(), given_ = owner_.given(), graph_ = session.graph();
+  revision_ = owner_.revision();
+  given_ = owner_.given();
+  graph_ = session.graph();
   progress_ = std::make_unique<ProgressQueue>(*session.graph(), target_nodes(*session.graph(), known));
   evaluation_ = apart ? session.evaluate_apart(known, progress_.get(), *apart)
                       : session.evaluate(known, progress_.get());
@@ -193,7 +201,7 @@ namespace {
 // An output that a run has evaluated, from the store or computed again.
 Value fetch(Session& session, const Graph& graph, const RunResult& r, const Wire& wire) {
   const InCode in_code;
-  const NodeResult& node = r.nodes[static_cast<std::size_t>(wire.node)];
+  const NodeResult& node = r.nodes[wire.node];
   {
     const Outside outside;
     if (Value v = session.evaluator().store().get_value(node.outputs.at(wire.port), node.cached_seconds))
@@ -202,8 +210,10 @@ Value fetch(Session& session, const Graph& graph, const RunResult& r, const Wire
   require_workers(session.options().threads);
   std::atomic<bool> cancel{false};
   RunOptions options;
-  options.cancel = &cancel, options.threads = session.options().threads;
-  options.output_folder = session.options().output_folder, options.memory = session.options().file_memory;
+  options.cancel = &cancel;
+  options.threads = session.options().threads;
+  options.output_folder = session.options().output_folder;
+  options.memory = session.options().file_memory;
   auto future =
       std::async(std::launch::async, [&] { return session.evaluator().value(graph, r, wire, options); });
   std::unique_ptr<py::error_already_set> stop;
@@ -224,7 +234,7 @@ Value fetch(Session& session, const Graph& graph, const RunResult& r, const Wire
 Wire RunObject::evaluated(const std::string& output) {
   const RunResult& r = result();
   const Wire wire = graph().wire_to(output);
-  if (!r.nodes[static_cast<std::size_t>(wire.node)].outputs.count(wire.port))
+  if (!r.nodes[wire.node].outputs.count(wire.port))
     throw Error("not-evaluated", fmt::format("'{}' was not evaluated by this run", output),
                 "name it as a target of the run");
   return wire;

@@ -16,10 +16,11 @@ py::dict progress(const RunObject& run) {
   const ProgressQueue::State s = run.progress();
   py::list running;
   for (const auto& [node, r] : s.running)
-    running.append(
-        py::make_tuple(run.graph().nodes[static_cast<std::size_t>(node)].path, r.fraction, r.note));
+    running.append(py::make_tuple(run.graph().nodes[node].path, r.fraction, r.note));
   py::dict out;
-  out["done"] = s.done, out["needed"] = s.needed, out["running"] = running;
+  out["done"] = s.done;
+  out["needed"] = s.needed;
+  out["running"] = running;
   return out;
 }
 
@@ -34,9 +35,15 @@ py::list nodes(RunObject& run) {
     std::vector<std::string> files;
     for (const auto& f : n.files) files.push_back(f.path);
     py::dict d;
-    d["name"] = run.graph().nodes[i].path, d["type"] = run.graph().nodes[i].type->name;
-    d["status"] = name_of(n.status), d["seconds"] = n.seconds, d["bytes"] = bytes, d["metrics"] = n.metrics;
-    d["warnings"] = n.warnings, d["files"] = files, d["key"] = n.key.text();
+    d["name"] = run.graph().nodes[i].path;
+    d["type"] = run.graph().nodes[i].type->name;
+    d["status"] = name_of(n.status);
+    d["seconds"] = n.seconds;
+    d["bytes"] = bytes;
+    d["metrics"] = n.metrics;
+    d["warnings"] = n.warnings;
+    d["files"] = files;
+    d["key"] = n.key.text();
     d["error"] = n.error ? to_python(*n.error) : py::none();
     d["saved"] = n.saved ? to_python(n.saved->message) : py::none();
     out.append(d);

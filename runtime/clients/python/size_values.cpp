@@ -103,7 +103,7 @@ void bind_tables(py::module_& m) {
               throw Error("no-column",
                           fmt::format("the table has no column '{}'{}", name, did_you_mean(name, t.columns)),
                           fmt::format("columns: {}", fmt::join(t.columns, ", ")));
-            const auto k = static_cast<std::size_t>(at);
+            const std::size_t k = at;
             bool numbers = true;
             for (const auto& row : t.rows) numbers = numbers && k < row.size() && row[k].index() == 0;
             if (numbers) {

@@ -23,7 +23,10 @@ template <class T>
 py::array view(const py::handle& owner, const T* data, Shape_ shape) {
   Shape_ strides(shape.size());
   py::ssize_t step = sizeof(T);
-  for (std::size_t i = shape.size(); i-- > 0;) strides[i] = step, step *= shape[i];
+  for (std::size_t i = shape.size(); i-- > 0;) {
+    strides[i] = step;
+    step *= shape[i];
+  }
   return view(owner, py::dtype::of<T>(), data, std::move(shape), std::move(strides));
 }
 

@@ -36,8 +36,7 @@ typename Grid::Ptr grid_of(const std::string& name, const Vec3i& size, const Vec
                            const Number* data) {
   using T = typename Grid::ValueType;
   constexpr std::size_t components = sizeof(T) / sizeof(Number);
-  const auto nx = static_cast<std::size_t>(size.x()), ny = static_cast<std::size_t>(size.y()),
-             nz = static_cast<std::size_t>(size.z());
+  const std::size_t nx = size.x(), ny = size.y(), nz = size.z();
   auto grid = dense_grid<Grid>(name.c_str(), size, 1, Work(), [&](std::size_t i) {
     const Number* at = data + ((i % nx * ny + i / nx % ny) * nz + i / nx / ny) * components;
     if constexpr (components == 1)
@@ -55,12 +54,12 @@ void require_exact(const py::array& a) {
   const auto data = numbers<std::int64_t>(a, "the volume");
   const bool no_sign = a.dtype().kind() == 'u';
   const std::int64_t* in = data.data();
-  const auto n = static_cast<std::size_t>(data.size());
+  const std::size_t n = data.size();
   const Outside outside;
   const auto bad = std::find_if(in, in + n, [&](std::int64_t v) {
     // Compared as doubles, which hold what a float can hold.
     return (no_sign && v < 0) || std::abs(v) > (std::int64_t{1} << 53) ||
-           static_cast<double>(static_cast<float>(v)) != static_cast<double>(v);
+           static_cast<double>(static_cast<float>(v)) != v;
   });
   if (bad != in + n)
     throw Error("bad-values",
@@ -84,7 +83,7 @@ py::object volume(const py::object& object, const std::vector<double>& voxel_siz
     if (a.shape(k) > kMostVoxels)
       throw Error("too-large",
                   fmt::format("the volume has more than 2²⁴ voxels along an axis: {}", text_of(a)));
-    size[k] = static_cast<int>(a.shape(k));
+    size[k] = a.shape(k);
   }
   const bool ids = name == "id";
   if (ids && (vectors || !is_whole(a)))
@@ -138,11 +137,11 @@ py::object with_period(const py::object& object, const std::vector<py::ssize_t>&
   if (period.size() != 3)
     throw Error("wrong-count", "a period is three numbers of voxels").parameter("period");
   for (int k = 0; k < 3; ++k) {
-    const py::ssize_t n = period[static_cast<std::size_t>(k)];
+    const py::ssize_t n = period[k];
     if (n < 1 || n > kMostVoxels)
       throw Error("bad-value", fmt::format("a period is 1 to 2²⁴ voxels along each axis, not {}", n))
           .parameter("period");
-    out.resolution[k] = static_cast<int>(n);
+    out.resolution[k] = n;
   }
   const openvdb::Coord last(out.resolution.x() - 1, out.resolution.y() - 1, out.resolution.z() - 1);
   for (const auto& grid : out.grids) {

@@ -40,8 +40,8 @@ py::array dense(const openvdb::GridBase& any, int width, const openvdb::CoordBBo
   const auto& g = static_cast<const Grid&>(any);
   std::vector<py::ssize_t> shape{0, 0, 0};
   for (int k = 0; k < 3 && !box.empty(); ++k) {
-    shape[static_cast<std::size_t>(k)] = py::ssize_t{box.max()[k]} - box.min()[k] + 1;
-    if (shape[static_cast<std::size_t>(k)] > std::numeric_limits<int>::max())  // OpenVDB counts with int
+    shape[k] = py::ssize_t{box.max()[k]} - box.min()[k] + 1;
+    if (shape[k] > std::numeric_limits<int>::max())  // OpenVDB counts with int
       throw Error("too-large", fmt::format("the voxels of the grid '{}' lie too far apart for a dense array",
                                            g.getName()));
   }

@@ -26,7 +26,7 @@ void make_absolute(const Parameter& p, WrittenValue& v) {
 WrittenValue written_values(const py::handle& h) {
   if (!PyRange_Check(h.ptr())) return written_value(h);
   const auto at = [&](const char* name) { return h.attr(name).cast<std::int64_t>(); };
-  const auto count = static_cast<std::int64_t>(py::len(h));
+  const std::int64_t count = py::len(h);
   if (count == 0) throw Error("bad-value", "the range is empty");
   const std::int64_t first = at("start"), step = at("step");
   return {false, {fmt::format("{}:{}:{}", first, first + (count - 1) * step, step)}, {}};

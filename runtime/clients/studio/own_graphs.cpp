@@ -40,9 +40,8 @@ std::vector<OwnGraph> own_graphs(const Workspace& workspace) {
         ::stat(it->path().c_str(), &status) != 0 || !S_ISREG(status.st_mode) ||
         !workspace.contains(it->path()) || !is_graph(it->path()))
       continue;
-    out.push_back(
-        {it->path().lexically_relative(workspace.folder()).string(),
-         static_cast<double>(status.st_mtim.tv_sec) + 1e-9 * static_cast<double>(status.st_mtim.tv_nsec)});
+    out.push_back({it->path().lexically_relative(workspace.folder()).string(),
+                   status.st_mtim.tv_sec + 1e-9 * status.st_mtim.tv_nsec});
   }
   std::ranges::sort(out, [](const auto& a, const auto& b) {
     return a.changed != b.changed ? a.changed > b.changed : a.file < b.file;

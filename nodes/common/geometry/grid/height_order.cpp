@@ -7,7 +7,10 @@ namespace terrazzo {
 HeightOrder::HeightOrder(const Mesh& mesh) : mesh_(mesh), middle_(Vec3::Zero()) {
   if (!mesh.vertices.empty()) {
     Vec3 low = mesh.vertices[0], high = low;
-    for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+    for (const Vec3& v : mesh.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
     middle_ = (low + high) / 2;
   }
   const std::size_t n = mesh.vertices.size();
@@ -23,7 +26,8 @@ void HeightOrder::set(const Vec3& direction) {
   for (std::int32_t v = 0; v < n; ++v) {
     const Vec3 x = mesh_.vertices[v] - middle_;
     point_[v] = {a.dot(x), b.dot(x), u.dot(x)};
-    lo = std::min(lo, point_[v].z()), hi = std::max(hi, point_[v].z());
+    lo = std::min(lo, point_[v].z());
+    hi = std::max(hi, point_[v].z());
   }
   const double scale = hi > lo ? (n - 1) / (hi - lo) : 0;
   std::fill(bucket_.begin(), bucket_.end(), 0);

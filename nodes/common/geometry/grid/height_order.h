@@ -33,8 +33,18 @@ class HeightOrder {
 struct Quadratic {
   double c0 = 0, c1 = 0, c2 = 0;
   double operator()(double z) const { return c0 + z * (c1 + z * c2); }
-  Quadratic& operator+=(const Quadratic& q) { return c0 += q.c0, c1 += q.c1, c2 += q.c2, *this; }
-  Quadratic& operator-=(const Quadratic& q) { return c0 -= q.c0, c1 -= q.c1, c2 -= q.c2, *this; }
+  Quadratic& operator+=(const Quadratic& q) {
+    c0 += q.c0;
+    c1 += q.c1;
+    c2 += q.c2;
+    return *this;
+  }
+  Quadratic& operator-=(const Quadratic& q) {
+    c0 -= q.c0;
+    c1 -= q.c1;
+    c2 -= q.c2;
+    return *this;
+  }
 };
 
 // The cut of a triangle between two of its edges at depth z. Half the cross product of its ends, summed over
@@ -82,9 +92,18 @@ struct RankedTriangle {
 
 inline RankedTriangle::RankedTriangle(const HeightOrder& order, const Triangle& t)
     : low(t[0]), middle(t[1]), high(t[2]), sign(1) {
-  if (order.rank(low) > order.rank(middle)) std::swap(low, middle), sign = -sign;
-  if (order.rank(middle) > order.rank(high)) std::swap(middle, high), sign = -sign;
-  if (order.rank(low) > order.rank(middle)) std::swap(low, middle), sign = -sign;
+  if (order.rank(low) > order.rank(middle)) {
+    std::swap(low, middle);
+    sign = -sign;
+  }
+  if (order.rank(middle) > order.rank(high)) {
+    std::swap(middle, high);
+    sign = -sign;
+  }
+  if (order.rank(low) > order.rank(middle)) {
+    std::swap(low, middle);
+    sign = -sign;
+  }
 }
 
 }  // namespace terrazzo

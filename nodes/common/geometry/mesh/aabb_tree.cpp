@@ -11,7 +11,7 @@ AabbTree::AabbTree(const Mesh& mesh, int leaf_size) {
     for (int v : mesh.triangles[t]) boxes[t].add(mesh.vertices[v]);
   triangles.resize(boxes.size());
   std::iota(triangles.begin(), triangles.end(), 0);
-  if (!boxes.empty()) split(boxes, 0, static_cast<int>(boxes.size()), leaf_size);
+  if (!boxes.empty()) split(boxes, 0, boxes.size(), leaf_size);
 }
 
 void AabbTree::split(const std::vector<Aabb>& boxes, int first, int count, int leaf_size) {
@@ -37,7 +37,7 @@ void AabbTree::split(const std::vector<Aabb>& boxes, int first, int count, int l
                      return ca < cb || (ca == cb && a < b);
                    });
   split(boxes, first, half, leaf_size);
-  nodes[me].right = static_cast<std::int32_t>(nodes.size());
+  nodes[me].right = nodes.size();
   split(boxes, first + half, count - half, leaf_size);
 }
 

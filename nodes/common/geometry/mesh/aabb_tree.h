@@ -11,8 +11,14 @@ namespace terrazzo {
 
 struct Aabb {
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
-  void add(const Vec3& p) { low = low.cwiseMin(p), high = high.cwiseMax(p); }
-  void add(const Aabb& b) { low = low.cwiseMin(b.low), high = high.cwiseMax(b.high); }
+  void add(const Vec3& p) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  void add(const Aabb& b) {
+    low = low.cwiseMin(b.low);
+    high = high.cwiseMax(b.high);
+  }
   Vec3 center() const { return 0.5 * (low + high); }
   // 0 inside the box.
   double squared_distance(const Vec3& p) const {

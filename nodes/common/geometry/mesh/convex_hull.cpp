@@ -33,8 +33,7 @@ class Quickhull {
   std::optional<Mesh> run() {
     start();
     for (std::size_t f = 0; f < faces_.size(); ++f)
-      if (faces_[f].alive && !faces_[f].outside.empty() && !add_farthest(static_cast<int>(f)))
-        return std::nullopt;
+      if (faces_[f].alive && !faces_[f].outside.empty() && !add_farthest(f)) return std::nullopt;
     return surface();
   }
 
@@ -56,7 +55,7 @@ class Quickhull {
 
   // Chooses four points that span a large part of the volume.
   void start() {
-    const int n = static_cast<int>(points_.size());
+    const int n = points_.size();
     const auto fail = [] {
       throw Error("flat-points", "the points of the body do not span a volume", "use a solid body");
     };
@@ -65,7 +64,10 @@ class Quickhull {
       int at = 0;
       Real most = -1;
       for (int i = 0; i < n; ++i)
-        if (const Real m = measure(i); m > most) most = m, at = i;
+        if (const Real m = measure(i); m > most) {
+          most = m;
+          at = i;
+        }
       if (!(most > tolerance_)) fail();
       return at;
     };
@@ -105,7 +107,10 @@ class Quickhull {
     int top = -1;
     Real most = -1;
     for (int p : faces_[seed].outside)
-      if (const Real h = height(faces_[seed], p); h > most) most = h, top = p;
+      if (const Real h = height(faces_[seed], p); h > most) {
+        most = h;
+        top = p;
+      }
 
     // The faces visible from the point form one patch. Its boundary becomes the base of a cone.
     struct Rim {
@@ -153,9 +158,9 @@ class Quickhull {
       const auto next =
           std::lower_bound(rim.begin(), rim.end(), rim[i].to, [](const Rim& r, int v) { return r.from < v; });
       if (next == rim.end() || next->from != rim[i].to) return false;
-      const int g = static_cast<int>(first + (next - rim.begin()));
+      const int g = first + (next - rim.begin());
       faces_[first + i].neighbor[1] = g;
-      faces_[g].neighbor[2] = static_cast<int>(first + i);
+      faces_[g].neighbor[2] = first + i;
     }
     distribute(orphans, first);
     return true;
@@ -170,7 +175,7 @@ class Quickhull {
       for (int k = 0; k < 3; ++k) {
         auto& i = index[f.vertex[k]];
         if (i < 0) {
-          i = static_cast<std::int32_t>(mesh.vertices.size());
+          i = mesh.vertices.size();
           mesh.vertices.push_back(points_[f.vertex[k]]);
         }
         t[k] = i;
@@ -190,7 +195,10 @@ class Quickhull {
 Mesh convex_hull(const std::vector<Vec3>& points) {
   Vec3 lo = Vec3::Zero(), hi = Vec3::Zero();
   if (!points.empty()) lo = hi = points[0];
-  for (const Vec3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+  for (const Vec3& p : points) {
+    lo = lo.cwiseMin(p);
+    hi = hi.cwiseMax(p);
+  }
   const double extent = (hi - lo).norm();
   for (double tolerance = 1e-9; tolerance < 1e-3; tolerance *= 10)
     if (auto hull = Quickhull(points, tolerance * extent).run()) return *std::move(hull);

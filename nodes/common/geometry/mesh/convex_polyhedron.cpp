@@ -53,7 +53,7 @@ Mesh triangulate(const ConvexPolyhedron& p) {
     if (f.empty()) continue;
     Vec3 middle = Vec3::Zero();
     for (const int c : f) middle += p.corners[c] / static_cast<double>(f.size());
-    const int m = static_cast<int>(mesh.vertices.size());
+    const int m = mesh.vertices.size();
     mesh.vertices.push_back(middle);
     for (std::size_t i = 0; i < f.size(); ++i) mesh.triangles.push_back({m, f[i], f[(i + 1) % f.size()]});
   }

@@ -32,7 +32,7 @@ std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const HalfEdge e{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3], t};
-      edges[next[static_cast<std::size_t>(e.low())]++] = e;
+      edges[next[e.low()]++] = e;
     }
   for (std::size_t v = 0; v + 1 < end.size(); ++v)
     std::sort(edges.begin() + static_cast<std::ptrdiff_t>(end[v]),
@@ -54,7 +54,10 @@ Vec3 scaled_normal(const Mesh& mesh, std::size_t t) {
 Vec3 middle(const Mesh& mesh) {
   if (mesh.vertices.empty()) return Vec3::Zero();
   Vec3 lo = mesh.vertices[0], hi = lo;
-  for (const Vec3& v : mesh.vertices) lo = lo.cwiseMin(v), hi = hi.cwiseMax(v);
+  for (const Vec3& v : mesh.vertices) {
+    lo = lo.cwiseMin(v);
+    hi = hi.cwiseMax(v);
+  }
   return (lo + hi) / 2;
 }
 
@@ -136,16 +139,17 @@ std::vector<std::string> mesh_faults(const Mesh& mesh) {
   const auto add = [&](std::string text) {
     if (++count <= kMost) faults.push_back(std::move(text));
   };
-  const auto n = static_cast<std::int32_t>(mesh.vertices.size());
+  const std::int32_t n = mesh.vertices.size();
   if (mesh.triangles.empty()) add("the mesh has no triangles");
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (!mesh.vertices[v].allFinite()) add(fmt::format("vertex {} is not finite", v));
   bool usable = true;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
-    if (std::min({a, b, c}) < 0 || std::max({a, b, c}) >= n)
-      add(fmt::format("triangle {} refers to vertices {}, {}, {} of {}", t, a, b, c, n)), usable = false;
-    else if (a == b || b == c || c == a)
+    if (std::min({a, b, c}) < 0 || std::max({a, b, c}) >= n) {
+      add(fmt::format("triangle {} refers to vertices {}, {}, {} of {}", t, a, b, c, n));
+      usable = false;
+    } else if (a == b || b == c || c == a)
       add(fmt::format("triangle {} uses a vertex twice ({}, {}, {})", t, a, b, c));
   }
   if (!usable) return faults;

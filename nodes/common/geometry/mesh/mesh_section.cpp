@@ -10,7 +10,7 @@ namespace terrazzo {
 namespace {
 
 std::uint64_t edge_key(std::int32_t a, std::int32_t b) {
-  const auto lo = static_cast<std::uint64_t>(std::min(a, b)), hi = static_cast<std::uint64_t>(std::max(a, b));
+  const std::uint64_t lo = std::min(a, b), hi = std::max(a, b);
   return lo << 32 | hi;
 }
 
@@ -23,7 +23,10 @@ struct Segment {
 struct Box {
   Vec2 lo = Vec2::Constant(std::numeric_limits<double>::infinity()), hi = -lo;
   explicit Box(const Loop& loop) {
-    for (const Vec2& p : loop) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+    for (const Vec2& p : loop) {
+      lo = lo.cwiseMin(p);
+      hi = hi.cwiseMax(p);
+    }
   }
   bool contains(const Vec2& p) const {
     return (p.array() >= lo.array()).all() && (p.array() <= hi.array()).all();
@@ -49,10 +52,9 @@ std::vector<Chain> sorted_chains(std::vector<Segment>& segments) {
     for (std::size_t i = start;;) {
       used[i] = 1;
       chains.back().push_back(static_cast<std::uint32_t>(i));
-      auto next = static_cast<std::size_t>(
-          std::lower_bound(segments.begin(), segments.end(), segments[i].to,
-                           [](const Segment& s, std::uint64_t key) { return s.from < key; }) -
-          segments.begin());
+      std::size_t next = std::lower_bound(segments.begin(), segments.end(), segments[i].to,
+                                          [](const Segment& s, std::uint64_t key) { return s.from < key; }) -
+                         segments.begin();
       while (next < segments.size() && segments[next].from == segments[i].to && used[next]) ++next;
       if (next == segments.size() || segments[next].from != segments[i].to) break;
       i = next;
@@ -76,7 +78,7 @@ std::vector<std::uint32_t> successors(const std::vector<Segment>& segments) {
   for (std::size_t i = 0; i < segments.size(); ++i) {
     std::uint32_t& at = table[place(segments[i].from)];
     if (at != kNone) return {};
-    at = static_cast<std::uint32_t>(i);
+    at = i;
   }
   std::vector<std::uint32_t> next(segments.size());
   std::vector<char> reached(segments.size(), 0);
@@ -97,7 +99,10 @@ std::vector<Chain> chains_of(std::vector<Segment>& segments) {
   for (std::uint32_t start = 0; start < segments.size(); ++start) {
     if (used[start]) continue;
     Chain& chain = chains.emplace_back();
-    for (std::uint32_t i = start; !used[i]; i = next[i]) used[i] = 1, chain.push_back(i);
+    for (std::uint32_t i = start; !used[i]; i = next[i]) {
+      used[i] = 1;
+      chain.push_back(i);
+    }
     std::rotate(chain.begin(), std::min_element(chain.begin(), chain.end(), less), chain.end());
   }
   std::sort(chains.begin(), chains.end(), [&](const Chain& s, const Chain& t) { return less(s[0], t[0]); });
@@ -125,7 +130,7 @@ std::vector<Loop> loops_through(const Mesh& mesh, const Mat3& a_b_u, const std::
     }
 
   const auto point = [&](std::uint64_t key) -> Vec2 {
-    const auto i = static_cast<std::int32_t>(key >> 32), j = static_cast<std::int32_t>(key & 0xffffffffu);
+    const std::int32_t i = key >> 32, j = key & 0xffffffffu;
     const double at_i = along[i] - h, at_j = along[j] - h, t = at_i / (at_i - at_j);
     const Vec3 p = mesh.vertices[i] + t * (mesh.vertices[j] - mesh.vertices[i]);
     return {a.dot(p), b.dot(p)};
@@ -157,8 +162,11 @@ std::vector<Loop> section_loops(const Mesh& mesh, const Mat3& a_b_u, double h) {
 
 MeshCutter::MeshCutter(const Mesh& mesh)
     : mesh_(mesh), x_(mesh.vertices.size()), y_(x_.size()), z_(x_.size()), along_(x_.size()) {
-  for (std::size_t v = 0; v < x_.size(); ++v)
-    x_[v] = mesh.vertices[v].x(), y_[v] = mesh.vertices[v].y(), z_[v] = mesh.vertices[v].z();
+  for (std::size_t v = 0; v < x_.size(); ++v) {
+    x_[v] = mesh.vertices[v].x();
+    y_[v] = mesh.vertices[v].y();
+    z_[v] = mesh.vertices[v].z();
+  }
   for (std::size_t first = 0; first < mesh.triangles.size(); first += kCluster) {
     Cluster c{{}, 0, first, std::min(first + kCluster, mesh.triangles.size())};
     Vec3 lo = Vec3::Constant(std::numeric_limits<double>::infinity()), hi = -lo;
@@ -166,7 +174,10 @@ MeshCutter::MeshCutter(const Mesh& mesh)
       for (std::size_t i = c.first; i < c.last; ++i)
         for (const auto v : mesh.triangles[i]) visit(mesh.vertices[v]);
     };
-    each([&](const Vec3& p) { lo = lo.cwiseMin(p), hi = hi.cwiseMax(p); });
+    each([&](const Vec3& p) {
+      lo = lo.cwiseMin(p);
+      hi = hi.cwiseMax(p);
+    });
     c.center = (lo + hi) / 2;
     each([&](const Vec3& p) { c.radius = std::max(c.radius, (p - c.center).norm()); });
     // Distances of planes are rounded; a cluster that only touches the plane has to be visited.
@@ -183,9 +194,14 @@ std::pair<double, double> MeshCutter::turn(const Vec3& u) {
   low.fill(std::numeric_limits<double>::infinity()), high.fill(-low[0]);
   std::size_t v = 0;
   for (; v + kLanes <= along_.size(); v += kLanes)
-    for (std::size_t k = 0; k < kLanes; ++k)
-      low[k] = std::min(low[k], along_[v + k]), high[k] = std::max(high[k], along_[v + k]);
-  for (; v < along_.size(); ++v) low[0] = std::min(low[0], along_[v]), high[0] = std::max(high[0], along_[v]);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      low[k] = std::min(low[k], along_[v + k]);
+      high[k] = std::max(high[k], along_[v + k]);
+    }
+  for (; v < along_.size(); ++v) {
+    low[0] = std::min(low[0], along_[v]);
+    high[0] = std::max(high[0], along_[v]);
+  }
   return {*std::min_element(low.begin(), low.end()), *std::max_element(high.begin(), high.end())};
 }
 

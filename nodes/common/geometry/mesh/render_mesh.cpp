@@ -15,7 +15,7 @@ double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm()
 
 RenderMesh render_mesh(const Shape& shape) {
   const Mesh& mesh = shape.mesh;
-  const auto n = static_cast<std::int64_t>(mesh.vertices.size());
+  const std::int64_t n = mesh.vertices.size();
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
     if (!mesh.vertices[v].allFinite())
       throw Error("bad-number",

@@ -141,7 +141,7 @@ void Hdf5Input::visit_array(const Layout& l, std::string& out) const {
       if (chunk.at != kNowhere && filtered) {
         if (size < 13 || size > 20)
           hdf5_damaged("an index of chunks of the HDF5 file has impossible entries");
-        chunk.stored = number(entry + 8, static_cast<unsigned>(size - 12));
+        chunk.stored = number(entry + 8, size - 12);
         chunk.skipped = number(entry + size - 4, 4);
       }
     }
@@ -162,7 +162,7 @@ void Hdf5Input::visit_tree_2(const Layout& l, std::string& out) const {
     Chunk chunk{{}, number(record, 8), l.chunk_bytes(), 0};
     const std::uint64_t scaled = record + all.size - places;
     if (type == 11) {
-      chunk.stored = number(record + 8, static_cast<unsigned>(all.size - places - 12));
+      chunk.stored = number(record + 8, all.size - places - 12);
       chunk.skipped = number(scaled - 4, 4);
     }
     for (std::uint64_t a = 0; a < axes; ++a) {

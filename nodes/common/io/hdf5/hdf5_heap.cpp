@@ -92,7 +92,7 @@ Hdf5Input::HeapTable Hdf5Input::heap_table(Address heap) const {
       !is_power_of_two(table.largest_direct) || table.largest_direct < table.smallest || bits > 64 ||
       std::bit_width(table.width) + std::bit_width(table.smallest) + static_cast<int>(table.rows) > 60)
     hdf5_damaged("a heap of the HDF5 file has blocks of an impossible size");
-  table.offset_bytes = static_cast<unsigned>((bits + 7) / 8);
+  table.offset_bytes = (bits + 7) / 8;
   table.length_bytes = std::min(bytes_for(table.largest_direct - 1), bytes_for(number(heap + 10, 4)));
   if (1 + table.offset_bytes + table.length_bytes > table.id_bytes)
     hdf5_damaged("a heap of the HDF5 file has names of an impossible size");

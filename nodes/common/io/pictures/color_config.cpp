@@ -147,7 +147,8 @@ ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const
                   "use one of: " + known)
           .parameter("view");
     }
-    display = name.substr(0, slash), view = name.substr(slash + 1);
+    display = name.substr(0, slash);
+    view = name.substr(slash + 1);
     ++slash;
   }
   auto t = ocio::DisplayViewTransform::Create();

@@ -26,7 +26,8 @@ void make_upright(std::vector<T>& values, int& width, int& height, std::size_t c
       for (std::size_t k = 0; k < count; ++k) upright.push_back(values[from + k]);
     }
   values = std::move(upright);
-  width = w, height = h;
+  width = w;
+  height = h;
 }
 
 }  // namespace terrazzo

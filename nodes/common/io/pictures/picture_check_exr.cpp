@@ -11,7 +11,7 @@ namespace {
 
 std::uint32_t exr_number(std::string_view at) {
   std::uint32_t v = 0;
-  for (int k = 3; k >= 0; --k) v = v << 8 | static_cast<unsigned char>(at[static_cast<std::size_t>(k)]);
+  for (int k = 3; k >= 0; --k) v = v << 8 | static_cast<unsigned char>(at[k]);
   return v;
 }
 
@@ -69,21 +69,20 @@ void check_exr(std::string_view content, const Reading&) {
   const std::size_t end =
       read_exr_header(content, kFirstHeader, [&](std::string_view name, std::string_view value) {
         if (name == "dataWindow" && value.size() == 16) {
-          const auto low = static_cast<std::int32_t>(exr_number(value.substr(4)));
-          const auto high = static_cast<std::int32_t>(exr_number(value.substr(12)));
+          const std::int32_t low = exr_number(value.substr(4));
+          const std::int32_t high = exr_number(value.substr(12));
           height = double(high) - low + 1;
         } else if (name == "compression" && value.size() == 1) {
           constexpr int of_kind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-          if (static_cast<unsigned char>(value[0]) < 10)
-            lines = of_kind[static_cast<unsigned char>(value[0])];
+          if (static_cast<unsigned char>(value[0]) < 10) lines = of_kind[value[0]];
         } else if (name == "tiles") {
           tiled = true;
-          if (value.size() >= 8) lines = static_cast<int>(std::min(exr_number(value.substr(4)), 1u << 20));
+          if (value.size() >= 8) lines = std::min(exr_number(value.substr(4)), 1u << 20);
         }
       });
   if (tiled && lines < 1) damaged_picture("its tiles are empty");
   if (height < 1) damaged_picture("it has no rows");
-  if (8 * std::floor(height / lines) > static_cast<double>(content.size() - end))
+  if (8 * std::floor(height / lines) > (content.size() - end))
     damaged_picture(
         fmt::format("its header says {:.0f} rows, but the file has only {} bytes", height, content.size()));
 }

@@ -12,7 +12,8 @@ class GifBlocks {
   explicit GifBlocks(std::string_view content) : content_(content) {
     constexpr std::size_t header = 13;
     need(header);
-    screen_width = number(6), screen_height = number(8);
+    screen_width = number(6);
+    screen_height = number(8);
     at_ = header;
     skip_palette(byte(10));
   }
@@ -93,7 +94,7 @@ void check_gif(std::string_view content, const Reading& reading) {
   GifBlocks blocks(content);
   blocks.read();
   if (blocks.frames == 0) damaged_picture("it has no frames");
-  if (blocks.pixels > largest_ratio("gif", "") * static_cast<double>(content.size()) + 1e6)
+  if (blocks.pixels > largest_ratio("gif", "") * content.size() + 1e6)
     damaged_picture(fmt::format("{} bytes cannot hold {:.0f} pixels", content.size(), blocks.pixels));
   require_memory(2 * blocks.pixels, reading.memory,
                  fmt::format("a picture of {} × {} pixels and {} frames", blocks.screen_width,

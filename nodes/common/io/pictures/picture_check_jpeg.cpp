@@ -56,16 +56,18 @@ bool decode(std::string_view content, jpeg_decompress_struct& c, Listener& l, Si
   if (setjmp(l.leave)) return false;
   jpeg_mem_src(&c, reinterpret_cast<const unsigned char*>(content.data()), content.size());
   jpeg_read_header(&c, TRUE);
-  size.width = c.image_width, size.height = c.image_height, size.components = c.num_components;
+  size.width = c.image_width;
+  size.height = c.image_height;
+  size.components = c.num_components;
   if (header_only) return true;
-  c.scale_num = 1, c.scale_denom = 8;
+  c.scale_num = 1;
+  c.scale_denom = 8;
   c.do_fancy_upsampling = FALSE;
   c.dct_method = JDCT_IFAST;
   c.out_color_space = c.jpeg_color_space;
   jpeg_start_decompress(&c);
-  const JSAMPARRAY rows =
-      (*c.mem->alloc_sarray)(reinterpret_cast<j_common_ptr>(&c), JPOOL_IMAGE,
-                             c.output_width * static_cast<JDIMENSION>(c.output_components), 1);
+  const JSAMPARRAY rows = (*c.mem->alloc_sarray)(reinterpret_cast<j_common_ptr>(&c), JPOOL_IMAGE,
+                                                 c.output_width * c.output_components, 1);
   while (c.output_scanline < c.output_height) jpeg_read_scanlines(&c, rows, 1);
   jpeg_finish_decompress(&c);
   return true;
@@ -99,7 +101,7 @@ void check_jpeg(std::string_view content, const Reading& reading) {
   Listener header;
   if (!run(content, header, size, true)) damaged_picture(printable(header.error));
   const double samples = size.width * size.height * size.components;
-  if (samples > largest_ratio("jpeg", "") * static_cast<double>(content.size()) + 1e6)
+  if (samples > largest_ratio("jpeg", "") * content.size() + 1e6)
     damaged_picture(
         fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels", content.size(), size.width, size.height));
   require_memory(3 * samples, reading.memory,  // coefficients of a progressive file, and decoded samples

@@ -20,9 +20,10 @@ std::string unpacked(std::string_view bytes) {
   std::string out(std::min(most, deflate * (bytes.size() + 1)), '\0');
   z_stream z = {};
   if (inflateInit(&z) != Z_OK) return {};
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data())),
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = static_cast<uInt>(out.size());
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  z.avail_in = bytes.size();
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = out.size();
   inflate(&z, Z_FINISH);
   out.resize(z.total_out);
   inflateEnd(&z);

@@ -18,7 +18,7 @@ void check_blocks(const TiffReader& in, const TiffDirectory& d, std::uint64_t of
     const std::uint64_t at = in.value(o->second, i), length = in.value(l->second, i);
     if (at > in.size() || length > in.size() - at)
       damaged_picture(fmt::format("it is truncated: its block {} of {} ends at byte {} of {}", i, n,
-                                  static_cast<double>(at) + static_cast<double>(length), in.size()));
+                                  static_cast<double>(at) + length, in.size()));
   }
 }
 

@@ -28,7 +28,7 @@ struct PictureHeader {
   bool is_float = false;
   bool deep = false;
 
-  int count() const { return static_cast<int>(channels.size()); }
+  int count() const { return channels.size(); }
 };
 
 // An open file.

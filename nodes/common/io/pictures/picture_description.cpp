@@ -31,28 +31,31 @@ struct Stack {
     double product = 1;
     for (const auto& [axis, n] : length) {
       if (n < 1) return false;
-      product *= static_cast<double>(n);
+      product *= n;
     }
-    return product <= static_cast<double>(kMostPlanes);
+    return product <= kMostPlanes;
   }
   // Where a plane is in the order of the file.
   long place(std::map<char, long> at) const {
     long place = 0, step = 1;
-    for (const char axis : order) place += step * at[axis], step *= length.at(axis);
+    for (const char axis : order) {
+      place += step * at[axis];
+      step *= length.at(axis);
+    }
     return place;
   }
 };
 
 // Sets planes from `page_at`, the index of the page at each place of the file's order.
 void arrange(PicturePages& out, const Stack& stack, const std::vector<long>& page_at) {
-  out.channels = static_cast<int>(stack.length.at('C'));
-  out.slices = static_cast<int>(stack.length.at('Z'));
-  out.frames = static_cast<int>(stack.length.at('T'));
+  out.channels = stack.length.at('C');
+  out.slices = stack.length.at('Z');
+  out.frames = stack.length.at('T');
   out.planes.clear();
   for (long t = 0; t < out.frames; ++t)
     for (long z = 0; z < out.slices; ++z)
       for (long c = 0; c < out.channels; ++c) {
-        const auto place = static_cast<std::size_t>(stack.place({{'C', c}, {'Z', z}, {'T', t}}));
+        const std::size_t place = stack.place({{'C', c}, {'Z', z}, {'T', t}});
         out.planes.push_back(static_cast<std::size_t>(page_at[place]));
       }
 }
@@ -80,7 +83,8 @@ bool add_following_pages(PicturePages& out, std::string_view content, long count
   if (bytes < 1 || double(first) + bytes * double(count) > double(content.size())) return false;
   for (long i = 1; i < count; ++i) {
     PicturePage page = out.pages[0];
-    page.number = -1, page.skip = static_cast<std::uint64_t>(bytes) * static_cast<std::uint64_t>(i);
+    page.number = -1;
+    page.skip = static_cast<std::uint64_t>(bytes) * i;
     out.pages.push_back(page);
   }
   return true;
@@ -88,7 +92,7 @@ bool add_following_pages(PicturePages& out, std::string_view content, long count
 
 // Gives the file as many pages as the description says, or states the problem.
 bool require_pages(PicturePages& out, std::string_view content, long count) {
-  const auto stored = static_cast<long>(out.pages.size());
+  const long stored = out.pages.size();
   if (stored == count || (stored == 1 && count > 1 && add_following_pages(out, content, count))) return true;
   out.problem =
       fmt::format("its {} metadata describe {} pages, but the file has {}", out.source, count, stored);
@@ -163,7 +167,7 @@ long first_place(const pugi::xml_node& block, const Stack& stack) {
 // contradict each other or name other files.
 std::vector<long> ome_places(PicturePages& out, const pugi::xml_node& pixels, const Stack& stack,
                              const std::string& own_id, const std::string& file_name) {
-  const long planes = stack.planes(), pages = static_cast<long>(out.pages.size());
+  const long planes = stack.planes(), pages = out.pages.size();
   std::vector<long> page_at(static_cast<std::size_t>(planes), -1);
   const auto blocks = children_of(pixels, "TiffData");
   for (const auto& block : blocks) {
@@ -183,7 +187,7 @@ std::vector<long> ome_places(PicturePages& out, const pugi::xml_node& pixels, co
       return {};
     }
     for (long k = 0; k < count; ++k) {
-      long& page = page_at[static_cast<std::size_t>(first + k)];
+      long& page = page_at[first + k];
       if (page >= 0) {
         out.problem = "its OME metadata place a plane on two pages";
         return {};
@@ -274,7 +278,7 @@ void apply_shape(PicturePages& out, std::string_view content, const std::string&
   // The axes within a page are the last ones: Y, X and perhaps the samples of a pixel.
   const TiffReader in(content);
   const TiffDirectory d = in.directory(out.pages[0].directory);
-  const auto samples = static_cast<long>(in.value(d, tiff::kSamples, 1));
+  const long samples = in.value(d, tiff::kSamples, 1);
   std::vector<long> page = {out.pages[0].height, out.pages[0].width};
   if (samples > 1) {
     constexpr std::uint64_t separate = 2;
@@ -290,20 +294,23 @@ void apply_shape(PicturePages& out, std::string_view content, const std::string&
     listed = fmt::format("{} × ", shape[i]) + listed;
     if (shape[i] == 1) continue;
     char axis = axes[i];
-    if (axis == 'Q' || axis == 'I') axis = 'Z', ++unnamed;
+    if (axis == 'Q' || axis == 'I') {
+      axis = 'Z';
+      ++unnamed;
+    }
     if (stack.order.find(axis) != std::string::npos || !stack.length.contains(axis)) {
       unnamed = 2;
       break;
     }
-    stack.order += axis, stack.length[axis] = shape[i];
+    stack.order += axis;
+    stack.length[axis] = shape[i];
   }
   if (stack.order.empty()) return;
   out.source = "tifffile";
   if (unnamed > 1 || (unnamed == 1 && stack.order.size() > 1) || !stack.is_valid()) {
     double product = 1;
-    for (std::size_t i = 0; i + page.size() < shape.size(); ++i) product *= static_cast<double>(shape[i]);
-    if (product >= 1 && product <= static_cast<double>(kMostPlanes))
-      require_pages(out, content, static_cast<long>(product));
+    for (std::size_t i = 0; i + page.size() < shape.size(); ++i) product *= shape[i];
+    if (product >= 1 && product <= kMostPlanes) require_pages(out, content, static_cast<long>(product));
     out.problem =
         fmt::format("its tifffile metadata describe an array of {}{} × {} without the names of its axes",
                     listed, out.pages[0].height, out.pages[0].width);

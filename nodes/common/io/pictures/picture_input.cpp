@@ -53,13 +53,13 @@ void PictureInput::require(double bytes_per_sample, double more) const {
     throw unreadable("it is empty or three-dimensional");
   const double pixels = double(s.width) * s.height, samples = pixels * s.count();
   const std::string compression = in_->text("compression");
-  const double native = samples * static_cast<double>(s.sample_bytes);
-  if (native > largest_ratio(format_, compression) * static_cast<double>(size_) + 1e6)
+  const double native = samples * s.sample_bytes;
+  if (native > largest_ratio(format_, compression) * size_ + 1e6)
     throw unreadable(fmt::format("{} bytes cannot hold {} × {} pixels of {} channels", size_, s.width,
                                  s.height, s.count()));
   // LibRaw keeps the sensor's data and works on a copy with four colors.
   if (format_ == "raw") more += 24;
-  const double tile = double(s.tile_width) * s.tile_height * s.count() * static_cast<double>(s.sample_bytes);
+  const double tile = double(s.tile_width) * s.tile_height * s.count() * s.sample_bytes;
   try {
     require_memory(native + samples * bytes_per_sample + tile + pixels * more, reading_.memory,
                    fmt::format("the image '{}' of {} × {} pixels", path_.string(), s.width, s.height));

@@ -28,7 +28,7 @@ std::string_view jpeg_exif(std::string_view content) {
   using namespace std::string_view_literals;
   constexpr auto name = "Exif\0\0"sv;
   for (std::size_t at = 2; at + 4 <= content.size() && content[at] == '\xff';) {
-    const auto kind = static_cast<unsigned char>(content[at + 1]);
+    const unsigned char kind = content[at + 1];
     constexpr unsigned char fill = 0xff, scan = 0xda, exif = 0xe1;
     if (kind == fill) {
       ++at;
@@ -61,7 +61,7 @@ void apply_exif(std::string_view block, PictureMetadata& out) try {
   if (block.size() < 8 || picture_format(block) != "tiff") return;
   const TiffReader in(block);
   const TiffDirectory first = in.directory(in.first());
-  out.orientation = static_cast<int>(in.value(first, tiff::kOrientation, 1) & 15);
+  out.orientation = in.value(first, tiff::kOrientation, 1) & 15;
   const auto at = in.value(first, tiff::kExif, 0);
   if (at == 0) return;
   constexpr std::uint64_t color_space = 0xa001, interoperability = 0xa005, adobe_rgb = 2;
@@ -88,9 +88,10 @@ void apply_code_points(std::string_view data, PictureMetadata& out) {
     known = known && primaries == 1;
   if (transfer == 1 || transfer == 6 || transfer == 14 || transfer == 15)
     colors.transfer = Transfer::Rec709;
-  else if (transfer == 4 || transfer == 5 || transfer == 8)
-    colors.transfer = Transfer::Power, colors.exponent = transfer == 4 ? 2.2 : transfer == 5 ? 2.8 : 1;
-  else
+  else if (transfer == 4 || transfer == 5 || transfer == 8) {
+    colors.transfer = Transfer::Power;
+    colors.exponent = transfer == 4 ? 2.2 : transfer == 5 ? 2.8 : 1;
+  } else
     known = known && transfer == 13;
   if (!known) {
     out.unknown_encoding =
@@ -136,8 +137,10 @@ void apply_png(std::string_view content, PictureMetadata& out) {
   // With the primaries of sRGB, 1/2.2 stands for its curve: programs write it as the nearest power.
   const bool of_srgb = is_near(stated.chromaticities, Chromaticities());
   if (const std::uint32_t g = gamma.size() < 4 ? 0 : big_number(gamma, 4);
-      g > 0 && (!of_srgb || g < 45000 || g > 46000))
-    stated.transfer = Transfer::Power, stated.exponent = unit / g;
+      g > 0 && (!of_srgb || g < 45000 || g > 46000)) {
+    stated.transfer = Transfer::Power;
+    stated.exponent = unit / g;
+  }
   stated.source = colors.size() >= 32 ? "its PNG chunks gAMA and cHRM" : "its PNG chunk gAMA";
   out.colors = stated;
 }
@@ -167,7 +170,7 @@ PictureMetadata metadata_of(const PictureContent& c, const PicturePage& page) {
   if (c.format == "tiff") {
     apply_exif(c.bytes, out);
     const TiffReader in(c.bytes);
-    out.orientation = static_cast<int>(in.value(in.directory(page.directory), tiff::kOrientation, 1) & 15);
+    out.orientation = in.value(in.directory(page.directory), tiff::kOrientation, 1) & 15;
   }
   if (out.orientation < 1 || out.orientation > 8) out.orientation = 1;
   return out;

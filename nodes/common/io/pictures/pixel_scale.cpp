@@ -42,9 +42,11 @@ std::optional<PixelScale> of_camera(const PictureDecoder& in) {
     const double mm = unit >= 2 && unit <= 5 ? units[unit] : 0;
     // The picture may have been reduced since it was taken.
     const double taken = std::max(in.whole("Exif:PixelXDimension"), in.whole("Exif:PixelYDimension"));
-    per_focal = mm / resolution * (taken > 0 ? taken / longest : 1) / focal, uncertainty = 0.1;
+    per_focal = mm / resolution * (taken > 0 ? taken / longest : 1) / focal;
+    uncertainty = 0.1;
   } else if (const int equivalent = in.whole("Exif:FocalLengthIn35mmFilm"); equivalent > 0) {
-    per_focal = 36.0 / longest / equivalent, uncertainty = 0.15;
+    per_focal = 36.0 / longest / equivalent;
+    uncertainty = 0.15;
   }
   if (per_focal <= 0) return {};
   return PixelScale{

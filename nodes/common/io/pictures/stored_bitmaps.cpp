@@ -27,7 +27,7 @@ class PnmReader {
     const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), v);
     if (error != std::errc() || v < 0)
       throw unreadable_picture(path_, fmt::format("a number is expected at byte {}", at_));
-    at_ = static_cast<std::size_t>(end - text_.data());
+    at_ = end - text_.data();
     return v;
   }
   // A digit of P1, where blanks may be missing.
@@ -39,7 +39,7 @@ class PnmReader {
   }
   std::string_view rest(double bytes) const {
     const std::size_t left = text_.size() - std::min(at_, text_.size());
-    if (bytes > static_cast<double>(left))
+    if (bytes > left)
       throw unreadable_picture(path_,
                                fmt::format("it is truncated: {} of {:.0f} bytes of pixels", left, bytes));
     return text_.substr(text_.size() - left);
@@ -65,7 +65,7 @@ void read_pnm_text(PnmReader& in, bool bitmap, long top, const PictureContent& c
   for (double& v : out.values) {
     const long n = bitmap ? in.digit() : in.number();
     if (n > top) throw unreadable_picture(c.path, fmt::format("a pixel has the value {} of {}", n, top));
-    v = static_cast<double>(n);
+    v = n;
   }
 }
 
@@ -78,8 +78,7 @@ void read_pnm_bytes(const PnmReader& in, bool bitmap, long top, StoredSamples& o
     return static_cast<unsigned>(static_cast<unsigned char>(bytes[at]));
   };
   for (std::size_t i = 0; i < out.values.size(); ++i) {
-    const std::size_t x = i % static_cast<std::size_t>(out.width),
-                      y = i / static_cast<std::size_t>(out.width);
+    const std::size_t x = i % out.width, y = i / out.width;
     out.values[i] = bitmap      ? byte(y * row + x / 8) >> (7 - x % 8) & 1
                     : wide == 2 ? byte(2 * i) << 8 | byte(2 * i + 1)
                                 : byte(i);
@@ -92,11 +91,11 @@ StoredSamples stored_bmp(const PictureContent& c, const Reading& reading, double
   constexpr std::size_t file_header = 14;
   const std::string_view content = c.bytes;
   const std::size_t pixels_at = bmp_number(content, 10, 4), header = bmp_number(content, 14, 4);
-  const auto width = static_cast<std::int32_t>(bmp_number(content, 18, 4));
-  const auto height = static_cast<std::int32_t>(bmp_number(content, 22, 4));
+  const std::int32_t width = bmp_number(content, 18, 4);
+  const std::int32_t height = bmp_number(content, 22, 4);
   const std::size_t bits = bmp_number(content, 28, 2), used = bmp_number(content, 46, 4);
   StoredSamples out;
-  out.bits = static_cast<int>(bits);
+  out.bits = bits;
   allocate_samples(out, c, width, std::abs(double(height)), 8, reading, more);
   const std::size_t colors = used == 0 ? std::size_t{1} << bits : used;
   for (std::size_t i = 0; i < colors && file_header + header + 4 * i + 4 <= content.size(); ++i) {
@@ -105,15 +104,14 @@ StoredSamples stored_bmp(const PictureContent& c, const Reading& reading, double
     };
     out.palette.push_back({color(2), color(1), color(0)});
   }
-  const std::size_t row = (static_cast<std::size_t>(width) * bits + 31) / 32 * 4, mask = (1u << bits) - 1;
+  const std::size_t row = (width * bits + 31) / 32 * 4, mask = (1u << bits) - 1;
   for (int y = 0; y < out.height; ++y) {
-    const auto line =
-        static_cast<std::size_t>(height > 0 ? out.height - 1 - y : y);  // the last one comes first
+    const std::size_t line = height > 0 ? out.height - 1 - y : y;  // the last one comes first
     for (int x = 0; x < out.width; ++x) {
-      const std::size_t bit = static_cast<std::size_t>(x) * bits;
-      const auto byte = static_cast<unsigned char>(content[pixels_at + line * row + bit / 8]);
-      out.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
-                 static_cast<std::size_t>(x)] = static_cast<double>(byte >> (8 - bits - bit % 8) & mask);
+      const std::size_t bit = x * bits;
+      const unsigned char byte = content[pixels_at + line * row + bit / 8];
+      out.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) + x] =
+          byte >> (8 - bits - bit % 8) & mask;
     }
   }
   return out;
@@ -124,7 +122,7 @@ StoredSamples stored_pnm(const PictureContent& c, const Reading& reading, double
   const int kind = c.bytes[1] - '0';
   const bool bitmap = kind == 1 || kind == 4, text = kind <= 3;
   in.skip(2);
-  const auto width = static_cast<double>(in.number()), height = static_cast<double>(in.number());
+  const double width = in.number(), height = in.number();
   const long top = bitmap ? 1 : in.number();
   if (top < 1 || top > 65535) throw unreadable_picture(c.path, fmt::format("its largest value is {}", top));
   in.skip(1);

@@ -18,7 +18,7 @@ int gif_take(GifFileType* gif, GifByteType* to, int size) {
   const std::size_t n = std::min(s.left.size(), static_cast<std::size_t>(std::max(size, 0)));
   std::memcpy(to, s.left.data(), n);
   s.left.remove_prefix(n);
-  return static_cast<int>(n);
+  return n;
 }
 
 struct CloseGif {

@@ -29,9 +29,12 @@ StoredSamples stored_by_openimageio(const PictureContent& c, const PicturePage& 
   const PictureHeader h = in.header();
   if (h.deep) throw in.unreadable("deep images have no single number per pixel");
   StoredSamples out;
-  out.width = h.width, out.height = h.height, out.count = h.count();
+  out.width = h.width;
+  out.height = h.height;
+  out.count = h.count();
   out.alpha = h.alpha >= 0 && h.count() > 1 ? h.alpha : -1;
-  out.is_float = h.is_float, out.bits = static_cast<int>(8 * h.sample_bytes);
+  out.is_float = h.is_float;
+  out.bits = 8 * h.sample_bytes;
   out.is_lossy = c.format == "jpeg";
   out.is_color = h.count() >= 3 && h.channels[0] == "R" && h.channels[1] == "G" && h.channels[2] == "B";
   if (h.sample == Sample::UInt8)
@@ -66,7 +69,7 @@ void allocate_samples(StoredSamples& out, const PictureContent& c, double width,
   if (width < 1 || height < 1) throw unreadable_picture(c.path, "it is empty");
   const double pixels = width * height, samples = pixels * out.count;
   if (width > longest || height > longest ||
-      samples * std::max(1.0, out.bits / 8.0) > ratio * static_cast<double>(c.bytes.size()) + 1e6)
+      samples * std::max(1.0, out.bits / 8.0) > ratio * c.bytes.size() + 1e6)
     throw unreadable_picture(c.path, fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels of {} channels",
                                                  c.bytes.size(), width, height, out.count));
   try {
@@ -75,7 +78,8 @@ void allocate_samples(StoredSamples& out, const PictureContent& c, double width,
   } catch (Error& e) {
     throw e.parameter("path");
   }
-  out.width = static_cast<int>(width), out.height = static_cast<int>(height);
+  out.width = static_cast<int>(width);
+  out.height = static_cast<int>(height);
   out.values.resize(static_cast<std::size_t>(samples));
 }
 
@@ -84,7 +88,7 @@ StoredSamples stored_samples(const PictureContent& c, const PicturePage& page, c
   const int orientation = metadata_of(c, page).orientation;
   const double copy = orientation > 1 ? sizeof(double) : 0;
   StoredSamples out = stored_as_written(c, page, reading, more + copy);
-  make_upright(out.values, out.width, out.height, static_cast<std::size_t>(out.count), orientation);
+  make_upright(out.values, out.width, out.height, out.count, orientation);
   return out;
 }
 

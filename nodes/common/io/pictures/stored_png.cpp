@@ -23,7 +23,8 @@ void png_take(png_structp png, png_bytep to, std::size_t size) {
   auto& s = *static_cast<PngSource*>(png_get_io_ptr(png));
   if (size > s.left) png_error(png, "it is truncated");
   std::memcpy(to, s.at, size);
-  s.at += size, s.left -= size;
+  s.at += size;
+  s.left -= size;
 }
 
 void png_failed(png_structp png, png_const_charp message) {
@@ -86,7 +87,8 @@ struct OpenPng {
 
 StoredSamples png_description(const PngHeader& h) {
   StoredSamples out;
-  out.count = h.channels, out.bits = h.depth;
+  out.count = h.channels;
+  out.bits = h.depth;
   out.is_color = h.channels >= 3;
   if (h.channels == 2 || h.channels == 4) out.alpha = h.channels - 1;
   for (int i = 0; i < h.color_count; ++i)
@@ -105,7 +107,7 @@ StoredSamples stored_png(const PictureContent& c, const Reading& reading, double
   if (!png_begin(open.png, open.info, h)) throw unreadable_picture(c.path, printable(source.error));
   StoredSamples out = png_description(h);
   const std::size_t sample = h.depth == 16 ? 2 : 1;
-  if (h.row != std::size_t{h.width} * static_cast<std::size_t>(h.channels) * sample)
+  if (h.row != std::size_t{h.width} * h.channels * sample)
     throw unreadable_picture(c.path, "its rows have no sensible size");
   allocate_samples(out, c, h.width, h.height, largest_ratio("png", ""), reading,
                    more + double(sample) * h.channels + 8);

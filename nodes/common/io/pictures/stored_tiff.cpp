@@ -32,7 +32,7 @@ tmsize_t tiff_read(thandle_t handle, void* to, tmsize_t size) {
   const std::uint64_t n = std::min(left, static_cast<std::uint64_t>(std::max<tmsize_t>(0, size)));
   std::memcpy(to, s.content.data() + s.content.size() - left, n);
   s.at += n;
-  return static_cast<tmsize_t>(n);
+  return n;
 }
 
 tmsize_t tiff_write(thandle_t, void*, tmsize_t) { return 0; }
@@ -91,8 +91,10 @@ TiffLayout tiff_layout(const TiffReader& in, const TiffDirectory& d) {
     return static_cast<int>(std::min<std::uint64_t>(in.value(d, tag, otherwise), 1u << 30));
   };
   TiffLayout l;
-  l.width = whole(tiff::kWidth, 0), l.height = whole(tiff::kHeight, 0);
-  l.samples = whole(tiff::kSamples, 1), l.bits = whole(tiff::kBits, 1);
+  l.width = whole(tiff::kWidth, 0);
+  l.height = whole(tiff::kHeight, 0);
+  l.samples = whole(tiff::kSamples, 1);
+  l.bits = whole(tiff::kBits, 1);
   l.format = whole(tiff::kSampleFormat, SAMPLEFORMAT_UINT);
   if (l.format == SAMPLEFORMAT_VOID) l.format = SAMPLEFORMAT_UINT;
   l.photometric = whole(tiff::kPhotometric, PHOTOMETRIC_MINISBLACK);
@@ -149,8 +151,8 @@ void require_supported(const TiffLayout& l, const std::filesystem::path& path) {
 }
 
 double half_float(std::uint64_t bits) {
-  const int exponent = static_cast<int>(bits >> 10 & 31);
-  const double fraction = static_cast<double>(bits & 1023), sign = bits >> 15 & 1 ? -1 : 1;
+  const int exponent = bits >> 10 & 31;
+  const double fraction = bits & 1023, sign = bits >> 15 & 1 ? -1 : 1;
   if (exponent == 0) return sign * std::ldexp(fraction, -24);
   if (exponent < 31) return sign * std::ldexp(1024 + fraction, exponent - 25);
   return fraction == 0 ? sign * HUGE_VAL : std::nan("");
@@ -161,13 +163,11 @@ std::uint64_t row_bits(const unsigned char* row, std::uint64_t i, int bits, bool
   std::uint64_t v = 0;
   if (bits % 8 == 0) {
     const int bytes = bits / 8;
-    const unsigned char* p = row + i * static_cast<std::uint64_t>(bytes);
+    const unsigned char* p = row + i * bytes;
     for (int k = 0; k < bytes; ++k) v = v << 8 | p[little ? bytes - 1 - k : k];
     return v;
   }
-  for (std::uint64_t b = i * static_cast<std::uint64_t>(bits), end = b + static_cast<std::uint64_t>(bits);
-       b < end; ++b)
-    v = v << 1 | (row[b / 8] >> (7 - b % 8) & 1);
+  for (std::uint64_t b = i * bits, end = b + bits; b < end; ++b) v = v << 1 | (row[b / 8] >> (7 - b % 8) & 1);
   return v;
 }
 
@@ -184,10 +184,10 @@ double sample_number(std::uint64_t bits, const TiffLayout& l, const std::filesys
   if (l.format == SAMPLEFORMAT_INT) {
     const auto value = static_cast<std::int64_t>(bits << (64 - l.bits)) >> (64 - l.bits);
     if (std::abs(static_cast<double>(value)) > kExact) throw inexact(fmt::format("{}", value));
-    return static_cast<double>(value);
+    return value;
   }
   if (bits > static_cast<std::uint64_t>(kExact)) throw inexact(fmt::format("{}", bits));
-  return static_cast<double>(bits);
+  return bits;
 }
 
 // Copies a block of rows, each of `stride` bytes, to the samples that begin with pixel (x0, y0) and sample
@@ -198,19 +198,17 @@ void copy_block(const unsigned char* block, std::uint64_t stride, int x0, int y0
   const int together = l.together();
   const int right = std::min(out.width, x0 + width), below = std::min(out.height, y0 + height);
   for (int y = y0; y < below; ++y) {
-    const unsigned char* row = block + static_cast<std::uint64_t>(y - y0) * stride;
+    const unsigned char* row = block + (y - y0) * stride;
     for (int x = x0; x < right; ++x) {
       double* to = &out.values[(static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
                                 static_cast<std::size_t>(x)) *
                                    static_cast<std::size_t>(out.count) +
-                               static_cast<std::size_t>(s0)];
+                               s0];
       for (int s = 0; s < together; ++s)
-        to[s] =
-            sample_number(row_bits(row,
-                                   static_cast<std::uint64_t>(x - x0) * static_cast<std::uint64_t>(together) +
-                                       static_cast<std::uint64_t>(s),
-                                   l.bits, little),
-                          l, path);
+        to[s] = sample_number(
+            row_bits(row, static_cast<std::uint64_t>(x - x0) * static_cast<std::uint64_t>(together) + s,
+                     l.bits, little),
+            l, path);
     }
   }
 }
@@ -219,17 +217,15 @@ void copy_block(const unsigned char* block, std::uint64_t stride, int x0, int y0
 void read_following(const PictureContent& c, const TiffReader& in, const TiffDirectory& d,
                     const TiffLayout& l, std::uint64_t skip, StoredSamples& out) {
   const std::uint64_t first = in.value(d, tiff::kStripOffsets, 0) + skip;
-  const std::uint64_t row = (static_cast<std::uint64_t>(l.width) * static_cast<std::uint64_t>(l.together()) *
-                                 static_cast<std::uint64_t>(l.bits) +
-                             7) /
-                            8;
-  const std::uint64_t plane = row * static_cast<std::uint64_t>(l.height);
+  const std::uint64_t row =
+      (static_cast<std::uint64_t>(l.width) * static_cast<std::uint64_t>(l.together()) * l.bits + 7) / 8;
+  const std::uint64_t plane = row * l.height;
   const std::uint64_t planes = l.separate ? static_cast<std::uint64_t>(l.samples) : 1;
   if (first > c.bytes.size() || plane * planes > c.bytes.size() - first)
     throw unreadable_picture(c.path, "its pages end beyond the file");
   for (std::uint64_t s = 0; s < planes; ++s)
     copy_block(reinterpret_cast<const unsigned char*>(c.bytes.data()) + first + s * plane, row, 0, 0, l.width,
-               l.height, static_cast<int>(s), in.is_little(), l, c.path, out);
+               l.height, s, in.is_little(), l, c.path, out);
 }
 
 class BlockReader {
@@ -249,16 +245,16 @@ class BlockReader {
     TIFFGetField(in_, TIFFTAG_TILEWIDTH, &width), TIFFGetField(in_, TIFFTAG_TILELENGTH, &height);
     constexpr std::uint32_t longest = 1u << 30;
     if (width < 1 || height < 1) throw failure("its tiles are empty");
-    width = std::min(width, longest), height = std::min(height, longest);
+    width = std::min(width, longest);
+    height = std::min(height, longest);
     block_.resize(size(TIFFTileSize64(in_)));
-    const auto stride = static_cast<std::uint64_t>(TIFFTileRowSize(in_));
+    const std::uint64_t stride = TIFFTileRowSize(in_);
     for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(layout_.height); y += height)
       for (std::uint32_t x = 0; x < static_cast<std::uint32_t>(layout_.width); x += width) {
         const auto tile = TIFFComputeTile(in_, x, y, 0, static_cast<std::uint16_t>(s));
         require(TIFFReadEncodedTile(in_, tile, block_.data(), static_cast<tmsize_t>(block_.size())),
                 block_.size());
-        copy(stride, static_cast<int>(x), static_cast<int>(y), static_cast<int>(width),
-             static_cast<int>(height), s);
+        copy(stride, x, y, width, height, s);
       }
   }
 
@@ -267,13 +263,13 @@ class BlockReader {
     TIFFGetFieldDefaulted(in_, TIFFTAG_ROWSPERSTRIP, &rows);
     rows = std::min(std::max(rows, 1u), static_cast<std::uint32_t>(layout_.height));
     block_.resize(size(TIFFStripSize64(in_)));
-    const auto stride = static_cast<std::uint64_t>(TIFFScanlineSize(in_));
+    const std::uint64_t stride = TIFFScanlineSize(in_);
     for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(layout_.height); y += rows) {
-      const auto height = std::min(rows, static_cast<std::uint32_t>(layout_.height) - y);
+      const auto height = std::min(rows, layout_.height - y);
       require(TIFFReadEncodedStrip(in_, TIFFComputeStrip(in_, y, static_cast<std::uint16_t>(s)),
                                    block_.data(), static_cast<tmsize_t>(block_.size())),
               stride * height);
-      copy(stride, 0, static_cast<int>(y), layout_.width, static_cast<int>(height), s);
+      copy(stride, 0, y, layout_.width, height, s);
     }
   }
 
@@ -282,7 +278,7 @@ class BlockReader {
     const double most = 16 + double(layout_.together()) * layout_.bits / 8 * (layout_.width + 65536.0) *
                                  (layout_.height + 65536.0);
     if (bytes < 1 || double(bytes) > most) throw failure("its blocks have no sensible size");
-    require_memory(static_cast<double>(bytes), reading_.memory, "a block of the image");
+    require_memory(bytes, reading_.memory, "a block of the image");
     return bytes;
   }
 
@@ -294,8 +290,8 @@ class BlockReader {
 
   void copy(std::uint64_t stride, int x, int y, int width, int height, int s) {
     if (stride * 8 < static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(layout_.together()) *
-                         static_cast<std::uint64_t>(layout_.bits) ||
-        stride * static_cast<std::uint64_t>(height) > block_.size())
+                         layout_.bits ||
+        stride * height > block_.size())
       throw failure("its rows have no sensible size");
     copy_block(block_.data(), stride, x, y, width, height, s, std::endian::native == std::endian::little,
                layout_, content_.path, out_);
@@ -331,8 +327,7 @@ void take_palette(const TiffReader& in, const TiffDirectory& d, const PictureCon
     throw unreadable_picture(c.path, "it has no valid palette");
   out.palette.resize(colors);
   for (std::uint64_t i = 0; i < colors; ++i)
-    for (std::uint64_t k = 0; k < 3; ++k)
-      out.palette[i][k] = static_cast<std::uint8_t>(in.value(map->second, k * colors + i) >> 8);
+    for (std::uint64_t k = 0; k < 3; ++k) out.palette[i][k] = in.value(map->second, k * colors + i) >> 8;
 }
 
 }  // namespace
@@ -342,8 +337,10 @@ StoredSamples tiff_description(const PictureContent& c, const PicturePage& page)
   const TiffDirectory d = in.directory(page.directory);
   const TiffLayout l = tiff_layout(in, d);
   StoredSamples out;
-  out.width = l.width, out.height = l.height;
-  out.count = l.samples, out.bits = l.bits;
+  out.width = l.width;
+  out.height = l.height;
+  out.count = l.samples;
+  out.bits = l.bits;
   out.is_float = l.format == SAMPLEFORMAT_IEEEFP;
   out.white_is_zero = l.photometric == PHOTOMETRIC_MINISWHITE;
   out.is_lossy = is_lossy_compression(l.compression);

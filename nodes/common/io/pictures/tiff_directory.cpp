@@ -36,8 +36,7 @@ std::uint64_t TiffReader::number(std::uint64_t at, int bytes) const {
     damaged_picture(fmt::format("it is truncated: it refers to byte {} of {}", at, content_.size()));
   std::uint64_t v = 0;
   for (int k = 0; k < bytes; ++k) {
-    const auto byte =
-        static_cast<unsigned char>(content_[at + static_cast<std::uint64_t>(little_ ? bytes - 1 - k : k)]);
+    const unsigned char byte = content_[at + static_cast<std::uint64_t>(little_ ? bytes - 1 - k : k)];
     v = v << 8 | byte;
   }
   return v;
@@ -54,9 +53,9 @@ TiffDirectory TiffReader::directory(std::uint64_t at) const {
   for (std::uint64_t i = 0; i < n; ++i) {
     const std::uint64_t e = first + i * entry_size;
     const std::uint64_t tag = number(e, 2), type = number(e + 2, 2);
-    TiffEntry entry{type, width_of(type), number(e + 4, word), e + 4 + static_cast<std::uint64_t>(word)};
+    TiffEntry entry{type, width_of(type), number(e + 4, word), e + 4 + word};
     if (entry.count > size()) damaged_picture(fmt::format("its entry {} has {} values", tag, entry.count));
-    const std::uint64_t bytes = entry.count * static_cast<std::uint64_t>(entry.width);
+    const std::uint64_t bytes = entry.count * entry.width;
     if (bytes > static_cast<std::uint64_t>(word)) {
       entry.at = number(entry.at, word);
       if (entry.at > size() || bytes > size() - entry.at)
@@ -69,7 +68,7 @@ TiffDirectory TiffReader::directory(std::uint64_t at) const {
 }
 
 std::uint64_t TiffReader::value(const TiffEntry& entry, std::uint64_t i) const {
-  return number(entry.at + i * static_cast<std::uint64_t>(entry.width), entry.width);
+  return number(entry.at + i * entry.width, entry.width);
 }
 
 std::uint64_t TiffReader::value(const TiffDirectory& d, std::uint64_t tag, std::uint64_t otherwise) const {
@@ -90,8 +89,8 @@ double TiffReader::ratio(const TiffDirectory& d, std::uint64_t tag) const {
   const auto found = d.entries.find(tag);
   constexpr std::uint64_t rational = 5;
   if (found == d.entries.end() || found->second.type != rational || found->second.count < 1) return 0;
-  const auto above = static_cast<double>(number(found->second.at, 4));
-  const auto below = static_cast<double>(number(found->second.at + 4, 4));
+  const double above = number(found->second.at, 4);
+  const double below = number(found->second.at + 4, 4);
   return below > 0 ? above / below : 0;
 }
 

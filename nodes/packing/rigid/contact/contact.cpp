@@ -101,7 +101,10 @@ float probe_segment(Probe& probe, const Frame& frame, const DistanceField& field
   if (norm < 0.3f) {  // the segment passes through the whole body: no face is the right one to leave by
     best.n = frame.t;
     norm = best.n.norm();
-    if (!(norm > 1e-6f)) best.n = Vec3f(1, 0, 0), norm = 1;
+    if (!(norm > 1e-6f)) {
+      best.n = Vec3f(1, 0, 0);
+      norm = 1;
+    }
     best.n /= norm;
     norm = 1;
   } else {
@@ -135,7 +138,7 @@ void probe_ball(Probe& probe, const Frame& frame, const ContactShape& other, con
   const DistanceField& field = other.field;
   float c[3], g[3];
   frame.point(ball.center, c);
-  const auto far = static_cast<float>(other.bounding_radius);
+  const float far = other.bounding_radius;
   if (c[0] * c[0] + c[1] * c[1] + c[2] * c[2] > far * far) return;
   const float v = field.value(c, g);
   ++probe.tests;
@@ -153,7 +156,7 @@ Probe probe_tree(const ElementTree& tree, const Frame& frame, const DistanceFiel
   Probe probe{points};
   noted.clear();
   const auto* nodes = tree.nodes.data();
-  const auto end = static_cast<std::int32_t>(tree.nodes.size());
+  const std::int32_t end = tree.nodes.size();
   for (std::int32_t k = 0; k < end;) {
     const auto& node = nodes[k];
     float c[3];
@@ -193,7 +196,9 @@ Probe probe_body(const Body& own, const Body& other, const Vec3f& offset, float 
   } else {
     const Probe found = probe_tree(tree, frame, other.shape->field, threshold, threshold + slack * inverse,
                                    candidates, points);
-    probe.weight = found.weight, probe.gap = found.gap, probe.tests = found.tests;
+    probe.weight = found.weight;
+    probe.gap = found.gap;
+    probe.tests = found.tests;
   }
   if (probe.weight > 0)
     for (const Ball& ball : own.shape->core) probe_ball(probe, frame, *other.shape, ball);

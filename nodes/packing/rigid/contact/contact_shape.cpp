@@ -26,14 +26,14 @@ constexpr std::size_t kFaces = 40;   // largest number of faces of a polyhedron 
 
 Element point_element(const Vec3& p) {
   Element e;
-  for (int a = 0; a < 3; ++a) e.center[a] = static_cast<float>(p[a]);
+  for (int a = 0; a < 3; ++a) e.center[a] = p[a];
   return e;
 }
 
 Element segment_element(const Vec3& p, const Vec3& q) {
   Element e = point_element(0.5 * (p + q));
-  for (int a = 0; a < 3; ++a) e.half[a] = static_cast<float>(0.5 * (q[a] - p[a]));
-  e.half_length = static_cast<float>(0.5 * (q - p).norm());
+  for (int a = 0; a < 3; ++a) e.half[a] = 0.5 * (q[a] - p[a]);
+  e.half_length = 0.5 * (q - p).norm();
   return e;
 }
 
@@ -52,9 +52,12 @@ std::map<std::pair<int, int>, Edge> edges_of(const Mesh& mesh) {
     for (int k = 0; k < 3; ++k) {
       const std::pair<int, int> key = std::minmax(t[k], t[(k + 1) % 3]);
       Edge& e = edges[key];
-      e.a = key.first, e.b = key.second;
-      if (e.faces < 2)
-        e.n[e.faces] = n.norm() > 0 ? n.normalized() : Vec3::Zero(), e.apex[e.faces] = t[(k + 2) % 3];
+      e.a = key.first;
+      e.b = key.second;
+      if (e.faces < 2) {
+        e.n[e.faces] = n.norm() > 0 ? n.normalized() : Vec3::Zero();
+        e.apex[e.faces] = t[(k + 2) % 3];
+      }
       ++e.faces;
     }
   }
@@ -121,7 +124,7 @@ Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covere
     if (worst == need.end()) break;
     if (&need == &protrusion && *worst < 1e-4 * radius) break;
     if (!(*worst > 0)) break;
-    const std::size_t k = static_cast<std::size_t>(worst - need.begin());
+    const std::size_t k = worst - need.begin();
     choice.order.push_back(candidates[k]);
     take(k);
   }
@@ -135,7 +138,8 @@ void split(ElementTree& tree, int first, int count) {
   Vec3f low = Vec3f::Constant(1e30f), high = Vec3f::Constant(-1e30f);
   for (int k = first; k < first + count; ++k) {
     const Eigen::Map<const Vec3f> c(tree.elements[k].center);
-    low = low.cwiseMin(c), high = high.cwiseMax(c);
+    low = low.cwiseMin(c);
+    high = high.cwiseMax(c);
   }
   const Vec3f center = 0.5f * (low + high);
   float radius = 0;
@@ -154,14 +158,14 @@ void split(ElementTree& tree, int first, int count) {
     split(tree, first, half);
     split(tree, first + half, count - half);
   }
-  node.next = static_cast<std::int32_t>(tree.nodes.size());
+  node.next = tree.nodes.size();
   tree.nodes[me] = node;
 }
 
 ElementTree make_tree(std::vector<Element> elements) {
   ElementTree tree;
   tree.elements = std::move(elements);
-  if (!tree.elements.empty()) split(tree, 0, static_cast<int>(tree.elements.size()));
+  if (!tree.elements.empty()) split(tree, 0, tree.elements.size());
   return tree;
 }
 
@@ -253,7 +257,8 @@ ContactShape make_contact_shape(const Mesh& original, const Work& work) {
   s.field.include(sharp);
   if (segments.size() > 1200) segments.clear(), std::fill(covered.begin(), covered.end(), false);
   const Choice choice = choose_vertices(mesh, r, covered, work);
-  std::vector<Element> coarse = segments, fine = segments;
+  std::vector<Element> coarse = segments;
+  fine = segments;
   for (std::size_t k = 0; k < choice.order.size(); ++k) {
     fine.push_back(point_element(mesh.vertices[choice.order[k]]));
     if (k < kCoarse) coarse.push_back(fine.back());

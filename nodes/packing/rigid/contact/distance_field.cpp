@@ -47,7 +47,7 @@ bool DistanceField::make_sphere(const Mesh& mesh) {
   if (!is_sphere(mesh)) return false;
   const double r = largest_radius(mesh);
   kind_ = Kind::Sphere;
-  radius_ = static_cast<float>(r * (1 + 1e-6));
+  radius_ = r * (1 + 1e-6);
   return true;
 }
 
@@ -78,24 +78,24 @@ void DistanceField::make_grid(const Mesh& mesh, int cells, const Work& work) {
   for (const auto& v : mesh.vertices) box.add(v);
   const Vec3 extent = box.high - box.low;
   const double cell = std::max(std::cbrt(extent.prod()), 0.2 * extent.maxCoeff()) / cells;
-  cell_ = static_cast<float>(cell);
+  cell_ = cell;
   inverse_cell_ = 1 / cell_;
   const double pad = 2 * cell;
-  pad_ = static_cast<float>(0.99 * pad);
+  pad_ = 0.99 * pad;
   for (int a = 0; a < 3; ++a) {
-    origin_[a] = static_cast<float>(box.low[a] - pad);
+    origin_[a] = box.low[a] - pad;
     n_[a] = static_cast<int>(std::ceil((extent[a] + 2 * pad) / cell)) + 1;
   }
   grid_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
   const MeshDistance distance(mesh);
   work.parallel(static_cast<std::size_t>(n_[2]) * n_[1], 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {
-      const int j = static_cast<int>(row % n_[1]), k = static_cast<int>(row / n_[1]);
+      const int j = row % n_[1], k = row / n_[1];
       double bound = 1e300;  // the distance changes by at most one cell between adjacent samples
       for (int i = 0; i < n_[0]; ++i) {
         const Vec3 p(origin_[0] + i * cell, origin_[1] + j * cell, origin_[2] + k * cell);
         const double d = distance.signed_distance(p, bound);
-        grid_[row * n_[0] + i] = static_cast<float>(d);
+        grid_[row * n_[0] + i] = d;
         bound = std::abs(d) + 1.001 * cell;
       }
     }

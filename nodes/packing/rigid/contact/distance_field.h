@@ -61,7 +61,9 @@ float DistanceField::sample(const float* p, float* g) const {
     const float d = std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
     if constexpr (WithGradient) {
       const float s = d > 1e-12f ? 1 / d : 0;
-      g[0] = d > 1e-12f ? p[0] * s : 1, g[1] = p[1] * s, g[2] = p[2] * s;
+      g[0] = d > 1e-12f ? p[0] * s : 1;
+      g[1] = p[1] * s;
+      g[2] = p[2] * s;
     }
     return d - radius_;
   }
@@ -69,9 +71,16 @@ float DistanceField::sample(const float* p, float* g) const {
   std::size_t at = 0;
   for (std::size_t k = 0; k < offset_.size(); ++k) {
     const float v = nx_[k] * p[0] + ny_[k] * p[1] + nz_[k] * p[2] - offset_[k];
-    if (v > best) best = v, at = k;
+    if (v > best) {
+      best = v;
+      at = k;
+    }
   }
-  if constexpr (WithGradient) g[0] = nx_[at], g[1] = ny_[at], g[2] = nz_[at];
+  if constexpr (WithGradient) {
+    g[0] = nx_[at];
+    g[1] = ny_[at];
+    g[2] = nz_[at];
+  }
   return best;
 }
 

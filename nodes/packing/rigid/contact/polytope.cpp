@@ -24,9 +24,9 @@ std::vector<int> planes_of(const Mesh& mesh, double radius, std::size_t most, st
     const double offset = unit.dot(o);
     for (std::size_t k = 0; k < planes.size() && of[t] < 0; ++k)
       if ((planes[k].normal - unit).norm() < 1e-5 && std::abs(planes[k].offset - offset) < 1e-5 * radius)
-        of[t] = static_cast<int>(k);
+        of[t] = k;
     if (of[t] >= 0) continue;
-    of[t] = static_cast<int>(planes.size());
+    of[t] = planes.size();
     planes.push_back({unit, offset});
     if (planes.size() > most) return {};
   }

@@ -38,7 +38,8 @@ void try_faces(const Polytope& own, const Polytope& other, const Relative& other
     if (!of_a) s *= b_in_a.scale;
     if (s <= best.separation) continue;
     best.separation = s;
-    best.face = static_cast<int>(f), best.of_a = of_a;
+    best.face = f;
+    best.of_a = of_a;
     best.axis = of_a ? face.normal : Vec3f(-(b_in_a.rotation * face.normal));
     if (s > enough) return;
   }
@@ -99,7 +100,10 @@ void clip_faces(const Polytope& own, int face, const Polytope& other, const Rela
   std::size_t incident = 0;
   float least = 1e30f;
   for (std::size_t f = 0; f < other.faces.size(); ++f)
-    if (const float v = other.faces[f].normal.dot(local); v < least) least = v, incident = f;
+    if (const float v = other.faces[f].normal.dot(local); v < least) {
+      least = v;
+      incident = f;
+    }
   Vec3f one[kCorners], two[kCorners];
   Vec3f *from = one, *to = two;
   int n = 0;
@@ -176,7 +180,8 @@ void find_manifold(const PlacedPolytope& a, const PlacedPolytope& b, const Vec3f
   if (!hint.isZero(0)) {
     const float s = separation_along(hint, a, b, offset);
     if (s > margin) {
-      out.normal = hint, out.separation = s;
+      out.normal = hint;
+      out.separation = s;
       return;
     }
   }

@@ -19,8 +19,10 @@ double triangle_penetration(const Corners& a, const Corners& b) {
     double lo_a = 1e300, hi_a = -1e300, lo_b = 1e300, hi_b = -1e300;
     for (int k = 0; k < 3; ++k) {
       const double pa = axis.dot(a[k]), pb = axis.dot(b[k]);
-      lo_a = std::min(lo_a, pa), hi_a = std::max(hi_a, pa);
-      lo_b = std::min(lo_b, pb), hi_b = std::max(hi_b, pb);
+      lo_a = std::min(lo_a, pa);
+      hi_a = std::max(hi_a, pa);
+      lo_b = std::min(lo_b, pb);
+      hi_b = std::max(hi_b, pb);
     }
     const double shift = std::min(hi_a - lo_b, hi_b - lo_a) / length;
     least = std::min(least, shift);

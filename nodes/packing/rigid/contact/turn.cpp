@@ -42,7 +42,7 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
   for (std::int32_t s : packing.shape) {
     if (!(shapes[s].ball > 0) || corners[s].rows() > 0) continue;
     const auto& vertices = meshes.shapes[s].mesh.vertices;
-    corners[s].resize(static_cast<Eigen::Index>(vertices.size()), 3);
+    corners[s].resize(vertices.size(), 3);
     for (std::size_t v = 0; v < vertices.size(); ++v)
       corners[s].row(static_cast<Eigen::Index>(v)) = vertices[v].cast<float>().transpose();
   }
@@ -92,7 +92,10 @@ void turn_spheres(const Shapes& meshes, const std::vector<ContactShape>& shapes,
       if (k % 2 == 1) q = Quat(1, near * q.x(), near * q.y(), near * q.z()) * best;
       if (!(q.norm() > 1e-9)) continue;
       q.normalize();
-      if (const float f = beyond(mesh, planes, q, least); f < least) least = f, best = q;
+      if (const float f = beyond(mesh, planes, q, least); f < least) {
+        least = f;
+        best = q;
+      }
     }
     packing.orientation[i] = best;
     return least <= 0;

@@ -35,7 +35,8 @@ bool join_slivers(std::vector<std::int32_t>& bodies, const Mosaic& m, const std:
     const double g = std::max(gradient[i], gradient[j]);
     for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
       Contact& c = contacts[from - 1][to];
-      c.length += 1, c.gradient += g;
+      c.length += 1;
+      c.gradient += g;
     }
   };
   for (int y = 0; y < m.height; ++y)
@@ -47,19 +48,24 @@ bool join_slivers(std::vector<std::int32_t>& bodies, const Mosaic& m, const std:
   std::vector<std::int32_t> target(pieces.size());
   bool any = false;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
-    target[k] = static_cast<std::int32_t>(k + 1);
+    target[k] = k + 1;
     const Piece& p = pieces[k];
     std::int32_t most = 0;
     Contact contact;
     for (const auto& [other, c] : contacts[k])
-      if (most == 0 || c.length > contact.length) most = other, contact = c;
+      if (most == 0 || c.length > contact.length) {
+        most = other;
+        contact = c;
+      }
     if (most == 0 || pieces[most - 1].area < p.area) continue;
     const double embedded = contact.length / (p.outline + p.contact + p.at_border);
     const double difference = (colors[k] - colors[most - 1]).norm();
     const bool no_edge = contact.gradient / contact.length < difference / 6;
     if (p.area < 2 * min_area || p.area < 0.02 * pieces[most - 1].area || p.solidity() < 0.75 ||
-        embedded > 0.6 || no_edge)
-      target[k] = most, any = true;
+        embedded > 0.6 || no_edge) {
+      target[k] = most;
+      any = true;
+    }
   }
   for (auto& b : bodies)
     if (b != 0) b = target[b - 1];
@@ -81,7 +87,10 @@ std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::u
   const std::int32_t outside = static_cast<std::int32_t>(m.colors.size()) + 1;
   bool any_outside = false;
   for (auto& l : labels)
-    if (l == 0) l = outside, any_outside = true;
+    if (l == 0) {
+      l = outside;
+      any_outside = true;
+    }
   RegionGraph graph(m.smooth, labels, std::vector<float>(labels.size(), 1.0f));
   if (any_outside) graph.isolate(outside);
   graph.merge(depth * m.spread * m.spread, work);

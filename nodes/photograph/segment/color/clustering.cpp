@@ -40,12 +40,15 @@ double lloyd(const std::vector<Vec3f>& points, std::vector<Vec3f>& centers, cons
       std::size_t best = 0;
       float d = std::numeric_limits<float>::max();
       for (std::size_t c = 0; c < centers.size(); ++c)
-        if (const float e = (p - centers[c]).squaredNorm(); e < d) d = e, best = c;
+        if (const float e = (p - centers[c]).squaredNorm(); e < d) {
+          d = e;
+          best = c;
+        }
       sums[best] += p.cast<double>();
       ++counts[best];
       now += d;
     }
-    now /= static_cast<double>(points.size());
+    now /= points.size();
     for (std::size_t c = 0; c < centers.size(); ++c)
       if (counts[c] > 0) centers[c] = (sums[c] / static_cast<double>(counts[c])).cast<float>();
     if (now >= inertia * (1 - 1e-5)) return now;
@@ -60,7 +63,10 @@ int Clusters::nearest(const Vec3f& p) const {
   int best = 0;
   float d = std::numeric_limits<float>::max();
   for (std::size_t c = 0; c < centers.size(); ++c)
-    if (const float e = (p - centers[c]).squaredNorm(); e < d) d = e, best = static_cast<int>(c);
+    if (const float e = (p - centers[c]).squaredNorm(); e < d) {
+      d = e;
+      best = c;
+    }
   return best;
 }
 
@@ -72,7 +78,10 @@ Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, co
     Random random(seed, static_cast<std::uint64_t>(k), start);
     auto centers = plus_plus(points, k, random);
     const double inertia = lloyd(points, centers, work);
-    if (inertia < out.inertia) out.inertia = inertia, out.centers = std::move(centers);
+    if (inertia < out.inertia) {
+      out.inertia = inertia;
+      out.centers = std::move(centers);
+    }
   }
   std::sort(out.centers.begin(), out.centers.end(), [](const Vec3f& a, const Vec3f& b) {
     return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
@@ -86,9 +95,11 @@ Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, co
     std::size_t best = 0;
     for (std::size_t c = 0; c < n; ++c) {
       const float d = (p - out.centers[c]).squaredNorm();
-      if (d < first)
-        second = first, first = d, best = c;
-      else
+      if (d < first) {
+        second = first;
+        first = d;
+        best = c;
+      } else
         second = std::min(second, d);
     }
     squares[best] += first;
@@ -96,10 +107,10 @@ Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, co
     if (n > 1 && second > 0) silhouette += 1 - std::sqrt(first / second);
   }
   for (std::size_t c = 0; c < n; ++c) {
-    out.weights[c] = static_cast<float>(counts[c] / static_cast<double>(points.size()));
+    out.weights[c] = counts[c] / static_cast<double>(points.size());
     out.spread.push_back(counts[c] > 0 ? static_cast<float>(std::sqrt(squares[c] / counts[c])) : 0.0f);
   }
-  out.silhouette = silhouette / static_cast<double>(points.size());
+  out.silhouette = silhouette / points.size();
   return out;
 }
 

@@ -30,7 +30,10 @@ struct Cluster {
 std::vector<Cluster> measured(const Profiles& profiles, const ColorClusters& found) {
   constexpr std::size_t kLeastPoints = 12;
   std::vector<Cluster> out(found.k);
-  for (int c = 0; c < found.k; ++c) out[c].parts = {c}, out[c].color = found.mean[c];
+  for (int c = 0; c < found.k; ++c) {
+    out[c].parts = {c};
+    out[c].color = found.mean[c];
+  }
   for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
     const Profile& p = profiles.profiles[i];
     Cluster& c = out[found.of[i]];
@@ -76,13 +79,19 @@ void join_alike(std::vector<Cluster>& clusters) {
       from = smallest - clusters.begin();
       double nearest = std::numeric_limits<double>::max();
       for (std::size_t i = 0; i < clusters.size(); ++i)
-        if (const double d = (clusters[i].color - smallest->color).norm(); i != from && d < nearest)
-          nearest = d, into = i;
+        if (const double d = (clusters[i].color - smallest->color).norm(); i != from && d < nearest) {
+          nearest = d;
+          into = i;
+        }
     } else {
       double most = kSurely;
       for (std::size_t i = 0; i < clusters.size(); ++i)
         for (std::size_t j = i + 1; j < clusters.size(); ++j)
-          if (const double p = likeness(clusters[i], clusters[j]); p > most) most = p, into = i, from = j;
+          if (const double p = likeness(clusters[i], clusters[j]); p > most) {
+            most = p;
+            into = i;
+            from = j;
+          }
       if (from == into) return;
     }
     join(clusters[into], clusters[from]);
@@ -94,13 +103,13 @@ void join_alike(std::vector<Cluster>& clusters) {
 
 double kolmogorov_smirnov(const std::vector<double>& a, const std::vector<double>& b) {
   if (a.empty() || b.empty()) return 1;
-  const auto n = static_cast<double>(a.size()), m = static_cast<double>(b.size());
+  const double n = a.size(), m = b.size();
   double largest = 0;
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     const double at = std::min(a[i], b[j]);
     while (i < a.size() && a[i] <= at) ++i;
     while (j < b.size() && b[j] <= at) ++j;
-    largest = std::max(largest, std::abs(static_cast<double>(i) / n - static_cast<double>(j) / m));
+    largest = std::max(largest, std::abs(i / n - j / m));
   }
   const double root = std::sqrt(n * m / (n + m)), x = (root + 0.12 + 0.11 / root) * largest;
   if (x < 0.3) return 1;  // the series converges slowly there, and its sum is 1 to five digits
@@ -122,7 +131,7 @@ std::vector<int> color_classes(const Profiles& profiles, int k, std::uint64_t se
                    [](const auto& a, const auto& b) { return a.weight > b.weight; });
   std::vector<int> number(found.k, 0), out;
   for (std::size_t c = 0; c < clusters.size(); ++c)
-    for (const int part : clusters[c].parts) number[part] = static_cast<int>(c);
+    for (const int part : clusters[c].parts) number[part] = c;
   for (const int c : found.of) out.push_back(number[c]);
   return out;
 }

@@ -27,7 +27,7 @@ struct PixelLists {
     pixels.resize(first.back());
     std::vector<std::size_t> next(first.begin(), first.end() - 1);
     for (std::size_t i = 0; i < size; ++i)
-      if (ids[i] >= low) pixels[next[ids[i] - low]++] = static_cast<std::int32_t>(i);
+      if (ids[i] >= low) pixels[next[ids[i] - low]++] = i;
   }
 };
 
@@ -61,19 +61,21 @@ cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, c
 // Evens out the shading of one particle.
 void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, int width,
              const std::vector<float>& depth2) {
-  const auto n = static_cast<std::size_t>(end - begin);
+  const std::size_t n = end - begin;
   constexpr std::size_t kSmallest = 60;
   if (n < kSmallest) return;
   double cx = 0, cy = 0;
   float deepest = 0;
   std::vector<float> light(n);
   for (std::size_t k = 0; k < n; ++k) {
-    cx += begin[k] % width, cy += begin[k] / width;
+    cx += begin[k] % width;
+    cy += begin[k] / width;
     deepest = std::max(deepest, std::sqrt(depth2[begin[k]]));
     light[k] = luminance(pixels[begin[k]]);
   }
-  cx /= static_cast<double>(n), cy /= static_cast<double>(n);
-  const double radius = std::sqrt(static_cast<double>(n) / 3.14159);
+  cx /= n;
+  cy /= n;
+  const double radius = std::sqrt(n / 3.14159);
   const float middle = median(light);
   if (!(middle > 1e-4f)) return;
   std::vector<float> away(n);
@@ -89,7 +91,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
   // Least squares with Huber's weights, so that highlights, specks and veins don't bend the fit.
   Eigen::Vector4d fit(middle, 0, 0, 0);
   for (int round = 0; round < 4; ++round) {
-    Eigen::Matrix4d a = 1e-6 * static_cast<double>(n) * Eigen::Matrix4d::Identity();
+    Eigen::Matrix4d a = 1e-6 * n * Eigen::Matrix4d::Identity();
     Eigen::Vector4d b = Eigen::Vector4d::Zero();
     for (std::size_t k = 0; k < n; ++k) {
       const double off = std::abs(light[k] - basis[k].dot(fit)), share = off > spread ? spread / off : 1;
@@ -104,7 +106,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
     const double value = basis[k].dot(fit), cap = 3.0 * spread;
     before += std::pow(std::clamp<double>(light[k] - middle, -cap, cap), 2);
     after += std::pow(std::clamp<double>(light[k] - value, -cap, cap), 2);
-    values[k] = static_cast<float>(value);
+    values[k] = value;
   }
   const double level = std::max(1e-4, static_cast<double>(median(std::move(values))));
   const double explained = before > 0 ? 1 - after / before : 0,
@@ -137,7 +139,10 @@ Image delight(const Image& photo, const Labels& labels, const IgnoredPixels& ign
     const std::int32_t* ids = labels.ids.data() + before;
     std::int32_t low = 0x7fffffff, high = 0;
     for (std::size_t i = 0; i < size; ++i)
-      if (ids[i] > 0) low = std::min(low, ids[i]), high = std::max(high, ids[i]);
+      if (ids[i] > 0) {
+        low = std::min(low, ids[i]);
+        high = std::max(high, ids[i]);
+      }
     if (high == 0) low = 1;
     const PixelLists lists(ids, size, low, high - low + 1);
 

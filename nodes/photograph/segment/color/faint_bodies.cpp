@@ -10,7 +10,8 @@ std::vector<bool> faint_bodies(const Mosaic& m, const std::vector<std::int32_t>&
   std::vector<float> pixels(count + 1, 0), axes[3];
   for (std::size_t i = 0; i < labels.size(); ++i) {
     const Vec3f& color = m.colors[m.patches[i] - 1];
-    sums[labels[i]] += color, ++pixels[labels[i]];
+    sums[labels[i]] += color;
+    ++pixels[labels[i]];
     for (int axis = 0; axis < 3 && labels[i] == 0; ++axis) axes[axis].push_back(color[axis]);
   }
   std::vector<bool> faint(count, false);

@@ -47,7 +47,7 @@ double score_of(const std::vector<Coarse>& sections, const std::vector<bool>& is
       const double open = p.outline / std::max(1.0, p.outline + p.contact + p.at_border);
       score += p.area * (p.solidity() * open - ordinary);
     }
-    area += static_cast<double>(s.cluster.size());
+    area += s.cluster.size();
   }
   return score / area;
 }
@@ -56,7 +56,7 @@ Clusters find_clusters(const std::vector<Mosaic>& sections, int k, std::uint64_t
   std::vector<Vec3f> points;
   Random random(seed, 1);
   for (int i = 0; i < sample_count; ++i) {
-    const Mosaic& m = sections[static_cast<std::size_t>(i) % sections.size()];
+    const Mosaic& m = sections[i % sections.size()];
     points.push_back(m.colors[m.patches[random.below(m.patches.size())] - 1]);
   }
   if (k > 0) return k_means(points, k, seed, work);
@@ -98,7 +98,7 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
   Ground ground;
   ground.clusters = find_clusters(sections, k, seed, work);
   for (int round = 0; round < 2 && even_light(sections, ground.clusters, work); ++round)
-    ground.clusters = find_clusters(sections, static_cast<int>(ground.clusters.centers.size()), seed, work);
+    ground.clusters = find_clusters(sections, ground.clusters.centers.size(), seed, work);
   const std::size_t n = ground.clusters.centers.size();
   if (n < 2)
     throw Error("one-color", "the image has only one color, so particles cannot be separated from the binder",
@@ -116,7 +116,10 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
       continue;
     std::vector<bool> set(n, false);
     set[c] = true;
-    if (const double s = score(set); s > ground.score) ground.score = s, ground.is_binder = set;
+    if (const double s = score(set); s > ground.score) {
+      ground.score = s;
+      ground.is_binder = set;
+    }
   }
   for (bool grown = true; grown;) {
     grown = false;
@@ -125,7 +128,11 @@ Ground find_ground(std::vector<Mosaic>& sections, int k, const Hint& hint, doubl
       auto set = ground.is_binder;
       if (set[c] || std::count(set.begin(), set.end(), true) + 1 == static_cast<std::ptrdiff_t>(n)) continue;
       set[c] = true;
-      if (const double s = score(set); s > ground.score) ground.score = s, best = set, grown = true;
+      if (const double s = score(set); s > ground.score) {
+        ground.score = s;
+        best = set;
+        grown = true;
+      }
     }
     ground.is_binder = best;
   }

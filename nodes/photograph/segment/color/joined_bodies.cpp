@@ -19,7 +19,10 @@ constexpr double kLeastRest = 0.1;                // of the body, for a color th
 struct Sum {
   Vec3 color = Vec3::Zero();
   double pixels = 0;
-  void add(const Vec3f& c) { color += c.cast<double>(), ++pixels; }
+  void add(const Vec3f& c) {
+    color += c.cast<double>();
+    ++pixels;
+  }
   Vec3 mean() const { return color / std::max(1.0, pixels); }
 };
 
@@ -29,7 +32,7 @@ Vec3 median_color(const LabImage& image, const std::vector<std::int32_t>& labels
     std::vector<float> values;
     for (std::size_t i = 0; i < labels.size(); ++i)
       if (labels[i] == 0) values.push_back(image.pixels[i][axis]);
-    if (!values.empty()) out[axis] = static_cast<double>(at_rank(values, values.size() / 2));
+    if (!values.empty()) out[axis] = at_rank(values, values.size() / 2);
   }
   return out;
 }
@@ -41,8 +44,8 @@ std::vector<double> widths_of_rest(const LabImage& image, const std::vector<std:
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const std::size_t i = image.index(x, y);
-      const bool inner = (x == 0 || labels[i - 1] == labels[i]) &&
-                         (y == 0 || labels[i - static_cast<std::size_t>(image.width)] == labels[i]);
+      const bool inner =
+          (x == 0 || labels[i - 1] == labels[i]) && (y == 0 || labels[i - image.width] == labels[i]);
       rest.at<std::uint8_t>(y, x) = labels[i] > 0 && !covered[i] && inner;
     }
   cv::distanceTransform(rest, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
@@ -65,7 +68,7 @@ std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::in
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return instances[a].score > instances[b].score; });
-  const auto parts = instances_within(labels, static_cast<std::size_t>(count), instances, order, work);
+  const auto parts = instances_within(labels, count, instances, order, work);
   // Parts side by side: each is mostly free of the better ones.
   std::vector<std::uint8_t> covered(labels.size(), 0);
   std::vector<int> beside(count + 1, 0);
@@ -73,7 +76,7 @@ std::vector<bool> joined_bodies(const LabImage& image, const std::vector<std::in
     for (const std::size_t k : parts[id - 1]) {
       const auto& pixels = instances[k].pixels;
       const auto taken = std::count_if(pixels.begin(), pixels.end(), [&](auto i) { return covered[i] != 0; });
-      if (static_cast<double>(taken) > (1 - kFree) * static_cast<double>(pixels.size())) continue;
+      if (taken > (1 - kFree) * pixels.size()) continue;
       for (const auto i : pixels) covered[i] = 1;
       ++beside[id];
     }

@@ -72,7 +72,10 @@ class Flow {
     }
     std::int64_t amount = std::numeric_limits<std::int64_t>::max();
     for (const auto e : path) amount = std::min(amount, arcs_[e].left);
-    for (const auto e : path) arcs_[e].left -= amount, arcs_[e ^ 1].left += amount;
+    for (const auto e : path) {
+      arcs_[e].left -= amount;
+      arcs_[e ^ 1].left += amount;
+    }
     return true;
   }
 
@@ -83,13 +86,13 @@ class Flow {
   std::vector<std::int32_t> path_;
 };
 
-std::int64_t units(double cost) { return static_cast<std::int64_t>(std::llround(cost * 4096)); }
+std::int64_t units(double cost) { return std::llround(cost * 4096); }
 
 }  // namespace
 
 std::vector<bool> min_cut(const std::vector<double>& cost_false, const std::vector<double>& cost_true,
                           const std::vector<CutEdge>& edges, const Work& work) {
-  const int n = static_cast<int>(cost_false.size()), source = n, sink = n + 1;
+  const int n = cost_false.size(), source = n, sink = n + 1;
   Flow flow(n + 2);
   for (int k = 0; k < n; ++k) {
     // Only the difference matters. A node on the source's side is true: cutting it off from the source costs

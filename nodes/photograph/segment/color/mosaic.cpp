@@ -17,9 +17,12 @@ constexpr float chroma = 2;
 float spread_of(const LabImage& image) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double squares = 0;
-  for (const auto& p : image.pixels) sum += p.cast<double>(), squares += p.cast<double>().squaredNorm();
-  const double n = static_cast<double>(image.pixels.size());
-  return static_cast<float>(std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm())));
+  for (const auto& p : image.pixels) {
+    sum += p.cast<double>();
+    squares += p.cast<double>().squaredNorm();
+  }
+  const double n = image.pixels.size();
+  return std::sqrt(std::max(0.0, squares / n - (sum / n).squaredNorm()));
 }
 
 // Usual color difference of pixels four apart, a measure of noise and texture. It uses the lower quartile,
@@ -85,7 +88,8 @@ void make_patches(Mosaic& m, const Work& work) {
 
 Mosaic make_mosaic(const Image& source, int section, const Work& work) {
   Mosaic m;
-  m.width = source.width, m.height = source.height;
+  m.width = source.width;
+  m.height = source.height;
   m.image = lab_section(source, section, work);
   m.noise = noise_of(m.image);
   m.gray = std::all_of(m.image.pixels.begin(), m.image.pixels.end(),

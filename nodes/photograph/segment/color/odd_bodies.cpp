@@ -15,9 +15,9 @@ constexpr double edge_width = 6;  // pixels; a color change over a longer distan
 float weighted_median(std::vector<std::pair<float, float>> values) {
   std::sort(values.begin(), values.end());
   double all = 0, sum = 0;
-  for (const auto& v : values) all += static_cast<double>(v.second);
+  for (const auto& v : values) all += v.second;
   for (const auto& v : values)
-    if ((sum += static_cast<double>(v.second)) >= all / 2) return v.first;
+    if ((sum += v.second) >= all / 2) return v.first;
   return 0;
 }
 
@@ -114,7 +114,8 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
     std::vector<double> outline(n, 0), along(n, 0);
     each_border([&](std::size_t from, std::size_t to) {
       const std::int32_t a = m.patches[from] - 1, b = m.patches[to] - 1;
-      outline[a] += 1, along[a] += added[b];
+      outline[a] += 1;
+      along[a] += added[b];
     });
     bool any = false;
     for (std::size_t k = 0; k < n; ++k)

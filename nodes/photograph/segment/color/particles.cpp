@@ -57,8 +57,8 @@ void fill_pinholes(Mask& mask, int width, int height, double min_area) {
   for (std::size_t i = 0; i < mask.size(); ++i) {
     if (gaps.ids[i] == 0) continue;
     const std::int32_t a = around[gaps.ids[i] - 1];
-    const auto size = static_cast<double>(gaps.sizes[gaps.ids[i] - 1]);
-    if (a > 0 && size < std::max(min_area, 0.01 * static_cast<double>(solid.sizes[a - 1]))) mask[i] = 1;
+    const double size = gaps.sizes[gaps.ids[i] - 1];
+    if (a > 0 && size < std::max(min_area, 0.01 * solid.sizes[a - 1])) mask[i] = 1;
   }
 }
 
@@ -70,7 +70,7 @@ double automatic_min_area(const Components& parts) {
   for (; least < 48; least *= 2) {
     std::int64_t here = 0, above = 0;
     for (const auto size : parts.sizes) {
-      const auto s = static_cast<double>(size);
+      const double s = size;
       here += s >= least / 2 && s < least;
       above += s >= least && s < 2 * least;
     }
@@ -87,7 +87,10 @@ void drop_specks(Mask& mask, const Components& parts, int width, int height, dou
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const Piece& p = pieces[k];
     dropped[k] = p.area < min_area || (p.area < 8 * min_area && p.solidity() < 0.6);
-    if (dropped[k]) ++out.specks, out.speck_pixels += parts.sizes[k];
+    if (dropped[k]) {
+      ++out.specks;
+      out.speck_pixels += parts.sizes[k];
+    }
   }
   for (std::size_t i = 0; i < mask.size(); ++i)
     if (parts.ids[i] != 0 && dropped[parts.ids[i] - 1]) mask[i] = 0;
@@ -106,11 +109,14 @@ void join_crumbs(std::vector<std::int32_t>& labels, int width, int height, doubl
     });
     std::vector<std::int32_t> target(pieces.size());
     for (std::size_t k = 0; k < pieces.size(); ++k) {
-      target[k] = static_cast<std::int32_t>(k + 1);
+      target[k] = k + 1;
       int most = 0;
       for (const auto& [other, length] : contacts[k])
-        if (length > most && pieces[other - 1].area >= pieces[k].area)
-          most = length, target[k] = other, any = true;
+        if (length > most && pieces[other - 1].area >= pieces[k].area) {
+          most = length;
+          target[k] = other;
+          any = true;
+        }
     }
     for (auto& l : labels)
       if (l != 0) l = target[l - 1];
@@ -139,7 +145,7 @@ std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height
   const auto pieces = measure_pieces(labels, width, height);
   std::int64_t filled = 0;
   for (int g = 0; g < gaps.count(); ++g) {
-    if (owner[g] > 0 && static_cast<double>(gaps.sizes[g]) > 0.5 * pieces[owner[g] - 1].area) owner[g] = -1;
+    if (owner[g] > 0 && gaps.sizes[g] > 0.5 * pieces[owner[g] - 1].area) owner[g] = -1;
     filled += owner[g] > 0;
   }
   for (std::size_t i = 0; i < labels.size(); ++i)
@@ -189,7 +195,8 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
       auto see = [&](std::size_t j) {
         if (m.patches[i] == m.patches[j]) return;
         auto& b = borders[std::minmax(m.patches[i], m.patches[j])];
-        b.first += 1, b.second += std::max(gradient[i], gradient[j]);
+        b.first += 1;
+        b.second += std::max(gradient[i], gradient[j]);
       };
       if (x + 1 < m.width) see(i + 1);
       if (y + 1 < m.height) see(i + m.width);
@@ -197,7 +204,8 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
   std::vector<double> outline(n, 0);
   std::vector<CutEdge> edges;
   for (const auto& [pair, b] : borders) {
-    outline[pair.first - 1] += b.first, outline[pair.second - 1] += b.first;
+    outline[pair.first - 1] += b.first;
+    outline[pair.second - 1] += b.first;
     edges.push_back({pair.first - 1, pair.second - 1, b.first * std::exp(-b.second / b.first / usual)});
   }
   const ClusterDistance distance(ground.clusters);
@@ -209,7 +217,8 @@ std::vector<bool> label_patches(const Mosaic& m, const Ground& ground, const Wor
       d = std::min(d, distance(m.colors[k], c));
     }
     const double evidence = 0.5 * outline[k] / std::max(1e-9f, to_binder + to_particle);
-    binder[k] = evidence * to_binder, particle[k] = evidence * to_particle;
+    binder[k] = evidence * to_binder;
+    particle[k] = evidence * to_particle;
   }
   return min_cut(binder, particle, edges, work);
 }

@@ -16,9 +16,15 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
       const std::int32_t id = raster[i];
       if (id == 0) continue;
       Piece& p = pieces[id - 1];
-      if (p.area == 0) p.left = x, p.right = x, p.top = y;
+      if (p.area == 0) {
+        p.left = x;
+        p.right = x;
+        p.top = y;
+      }
       p.area += 1;
-      p.left = std::min(p.left, x), p.right = std::max(p.right, x), p.bottom = y;
+      p.left = std::min(p.left, x);
+      p.right = std::max(p.right, x);
+      p.bottom = y;
       auto side = [&](bool inside, std::size_t j) {
         if (!inside)
           p.at_border += 1;

@@ -72,7 +72,9 @@ void RegionGraph::merge(double scale, const Work& work) {
     if (regions_[a].borders.size() < regions_[b].borders.size()) std::swap(a, b);
     Region& big = regions_[a];
     Region& small = regions_[b];
-    big.area += small.area, big.weight += small.weight, big.sum += small.sum;
+    big.area += small.area;
+    big.weight += small.weight;
+    big.sum += small.sum;
     big.borders.erase(b);
     small.borders.erase(a);
     parent_[b] = a;
@@ -107,8 +109,10 @@ std::vector<Region> RegionGraph::regions() const {
   std::vector<std::int32_t> number(regions_.size(), -1);
   std::vector<std::int32_t> order;
   for (const auto p : pixels_)
-    if (auto& n = number[root(p)]; n < 0)
-      n = static_cast<std::int32_t>(order.size()), order.push_back(root(p));
+    if (auto& n = number[root(p)]; n < 0) {
+      n = order.size();
+      order.push_back(root(p));
+    }
   std::vector<Region> out;
   for (const auto r : order) {
     Region copy = regions_[r];

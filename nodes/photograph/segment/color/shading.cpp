@@ -41,8 +41,7 @@ LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work)
 float strength_of(const LabImage& field) {
   double squares = 0;
   for (const auto& p : field.pixels) squares += p.cast<double>().squaredNorm();
-  return static_cast<float>(
-      std::sqrt(squares / std::max<double>(1, static_cast<double>(field.pixels.size()))));
+  return std::sqrt(squares / std::max<double>(1, static_cast<double>(field.pixels.size())));
 }
 
 void take_shading_away(Mosaic& m, const LabImage& shading, const Work& work) {

@@ -14,7 +14,9 @@ namespace {
 void transform_line(const float* f, float* out, int n, std::vector<int>& v, std::vector<float>& z) {
   v.resize(n), z.resize(n + 1);
   int k = 0;
-  v[0] = 0, z[0] = -std::numeric_limits<float>::infinity(), z[1] = std::numeric_limits<float>::infinity();
+  v[0] = 0;
+  z[0] = -std::numeric_limits<float>::infinity();
+  z[1] = std::numeric_limits<float>::infinity();
   for (int q = 1; q < n; ++q) {
     auto meet = [&](int p) {
       return ((f[q] + static_cast<float>(q) * q) - (f[p] + static_cast<float>(p) * p)) / (2.0f * (q - p));
@@ -22,12 +24,14 @@ void transform_line(const float* f, float* out, int n, std::vector<int>& v, std:
     float s = meet(v[k]);
     while (k > 0 && s <= z[k]) s = meet(v[--k]);
     if (s <= z[k]) s = z[k];
-    v[++k] = q, z[k] = s, z[k + 1] = std::numeric_limits<float>::infinity();
+    v[++k] = q;
+    z[k] = s;
+    z[k + 1] = std::numeric_limits<float>::infinity();
   }
   k = 0;
   for (int q = 0; q < n; ++q) {
     while (z[k + 1] < q) ++k;
-    const float d = static_cast<float>(q - v[k]);
+    const float d = q - v[k];
     out[q] = f[v[k]] + d * d;
   }
 }
@@ -41,7 +45,7 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
   const float far = 1e12f;
   std::vector<float> down(raster.size(), far), out(raster.size(), 0);
   work.parallel(width, 64, [&](std::size_t b, std::size_t e) {
-    for (int x = static_cast<int>(b); x < static_cast<int>(e); ++x) {
+    for (int x = b; x < static_cast<int>(e); ++x) {
       float d = border_is_outside ? 0 : 1e6f;
       for (int y = 0; y < height; ++y) {
         const std::size_t i = static_cast<std::size_t>(y) * width + x;
@@ -71,7 +75,7 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
           for (int i = x; i < end; ++i) f.push_back(down[row + i]);
           f.push_back(right ? 0.0f : far);
           g.resize(f.size());
-          transform_line(f.data(), g.data(), static_cast<int>(f.size()), v, z);
+          transform_line(f.data(), g.data(), f.size(), v, z);
           std::copy(g.begin() + 1, g.end() - 1, out.begin() + static_cast<std::ptrdiff_t>(row) + x);
         }
         x = end;

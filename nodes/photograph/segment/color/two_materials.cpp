@@ -38,13 +38,15 @@ Groups group(const std::vector<Vec3f>& colors) {
   std::sort(sorted.begin(), sorted.end());
   double total = 0, below = 0, best = 0, threshold = 0;
   for (const double v : sorted) total += v;
-  const auto n = static_cast<double>(sorted.size());
+  const double n = sorted.size();
   for (std::size_t k = 0; k + 1 < sorted.size(); ++k) {
     below += sorted[k];
     const double left = static_cast<double>(k) + 1, right = n - left;
     const double apart = below / left - (total - below) / right;
-    if (const double between = left * right / (n * n) * apart * apart; between > best)
-      best = between, threshold = sorted[k];
+    if (const double between = left * right / (n * n) * apart * apart; between > best) {
+      best = between;
+      threshold = sorted[k];
+    }
   }
   Groups g;
   g.explained = best / std::max(covariance.trace(), 1e-12);
@@ -63,7 +65,7 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
     for (int x = box.x; x < box.br().x; ++x)
       if (const std::size_t i = image.index(x, y); labels[i] == label)
         pixels.push_back(i), colors.push_back(image.pixels[i]);
-  const auto area = static_cast<double>(pixels.size());
+  const double area = pixels.size();
   if (area < 2 * kFewestPixels) return {};
   const Groups groups = group(colors);
   if (groups.explained < kExplained) return {};
@@ -72,8 +74,10 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
   const auto place = [&](std::size_t i) {
     return cv::Point(static_cast<int>(i % image.width) - box.x, static_cast<int>(i / image.width) - box.y);
   };
-  for (std::size_t k = 0; k < pixels.size(); ++k)
-    side.at<float>(place(pixels[k])) = groups.side[k], inside.at<std::uint8_t>(place(pixels[k])) = 1;
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    side.at<float>(place(pixels[k])) = groups.side[k];
+    inside.at<std::uint8_t>(place(pixels[k])) = 1;
+  }
   cv::Mat votes;
   cv::blur(side, votes, {kMajority, kMajority}, {-1, -1}, cv::BORDER_CONSTANT);
   double more = 0;
@@ -102,8 +106,8 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
   }
   Parts kept;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    if (static_cast<double>(parts[k].size()) >= std::max(kFewestPixels, kLeastShare * area) &&
-        contact[k] > 0 && contact[k] <= kMostContact * outline[k])
+    if (parts[k].size() >= std::max(kFewestPixels, kLeastShare * area) && contact[k] > 0 &&
+        contact[k] <= kMostContact * outline[k])
       kept.push_back(std::move(parts[k]));
   return kept;
 }

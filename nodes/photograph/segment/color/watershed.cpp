@@ -32,8 +32,10 @@ std::vector<std::int32_t> minima(const std::vector<std::uint16_t>& q, int width,
       neighbors(plateau[k], width, height, [&](int j) {
         if (q[j] < q[i])
           minimum = false;
-        else if (q[j] == q[i] && !seen[j])
-          seen[j] = 1, plateau.push_back(j);
+        else if (q[j] == q[i] && !seen[j]) {
+          seen[j] = 1;
+          plateau.push_back(j);
+        }
       });
     if (!minimum) continue;
     ++count;

@@ -63,7 +63,8 @@ int first_flat_row(const cv::Mat& away, const cv::Mat& levels) {
   int best = height, strange = 0;
   double flat_sum = share[height - 1], exact_sum = exactly[height - 1];
   for (int y = height - 2; y >= std::max(4, height - static_cast<int>(kHighestStrip * height)); --y) {
-    flat_sum += share[y], exact_sum += exactly[y];
+    flat_sum += share[y];
+    exact_sum += exactly[y];
     strange = share[y] >= 0.2 || share_of_line(levels.row(y)) >= 0.8 ? 0 : strange + 1;
     if (strange > kThickestLine) break;
     cv::Mat steps;

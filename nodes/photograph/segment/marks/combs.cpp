@@ -42,7 +42,8 @@ class EdgeFinder {
       if (now != 0 && now != state) {
         if (!edges_.empty()) edges_.back().after = extreme;
         if (state != 0) edges_.push_back({crossing, now > 0, extreme, 0});
-        state = now, extreme = row[i];
+        state = now;
+        extreme = row[i];
       } else if (state > 0) {
         extreme = std::max<float>(extreme, row[i]);
       } else if (state < 0) {
@@ -66,11 +67,10 @@ class EdgeFinder {
     constexpr int kNearSpan = 2 * kNear + 1, kWideSpan = 2 * kWide;
     for (int i = 0; i < n_; ++i) {
       const int at = i + kWide;
-      above_[i] = static_cast<float>(row_[at]) -
-                  static_cast<float>(sums_[at + kNear + 1] - sums_[at - kNear]) * (1.0f / kNearSpan);
-      const float mean = static_cast<float>(sums_[at + kWide] - sums_[at - kWide]) * (1.0f / kWideSpan),
-                  square =
-                      static_cast<float>(squares_[at + kWide] - squares_[at - kWide]) * (1.0f / kWideSpan);
+      above_[i] =
+          static_cast<float>(row_[at]) - (sums_[at + kNear + 1] - sums_[at - kNear]) * (1.0f / kNearSpan);
+      const float mean = (sums_[at + kWide] - sums_[at - kWide]) * (1.0f / kWideSpan),
+                  square = (squares_[at + kWide] - squares_[at - kWide]) * (1.0f / kWideSpan);
       least_[i] = std::max(kVisible * kVisible, kOfSpread * kOfSpread * (square - mean * mean));
     }
   }
@@ -97,7 +97,10 @@ bool two_levels(const Edge* const* edges, int count) {
   for (int k = 0; k < count; ++k) {
     const double low = std::min(edges[k]->before, edges[k]->after),
                  high = std::max(edges[k]->before, edges[k]->after);
-    sum[0] += low, sum[1] += high, square[0] += low * low, square[1] += high * high;
+    sum[0] += low;
+    sum[1] += high;
+    square[0] += low * low;
+    square[1] += high * high;
   }
   const double apart = (sum[1] - sum[0]) / count;
   for (int k = 0; k < 2; ++k) {
@@ -110,7 +113,7 @@ bool two_levels(const Edge* const* edges, int count) {
 // Appends the runs of equal distances among these edges.
 void find_runs(const std::vector<const Edge*>& edges, int row, int least, std::vector<Run>& runs) {
   constexpr double kShortestStep = 3.5, kAgree = 0.06, kPixels = 0.35;
-  const auto n = static_cast<int>(edges.size());
+  const int n = edges.size();
   for (int i = 0; i + least <= n;) {
     double step = edges[i + 1]->at - edges[i]->at;
     int j = i + 1;
@@ -168,8 +171,13 @@ std::vector<Comb> combs_of(const std::vector<Run>& runs, double angle) {
       continue;
     }
     Comb& c = known->comb;
-    c.left = std::min(c.left, left), c.right = std::max(c.right, right), c.bottom = r.row + kRowStep;
-    if (r.marks > c.marks) c.marks = r.marks, c.step = r.step;
+    c.left = std::min(c.left, left);
+    c.right = std::max(c.right, right);
+    c.bottom = r.row + kRowStep;
+    if (r.marks > c.marks) {
+      c.marks = r.marks;
+      c.step = r.step;
+    }
     ++c.rows;
     known->last = r;
   }
@@ -209,7 +217,8 @@ std::vector<Comb> find_combs(const cv::Mat& gray, double angle) {
   const TurnedFrame frame(gray.size(), angle);
   // Only the rows that are looked at.
   cv::Matx23d some = frame.to_picture;
-  some(0, 1) *= kRowStep, some(1, 1) *= kRowStep;
+  some(0, 1) *= kRowStep;
+  some(1, 1) *= kRowStep;
   cv::Mat turned;
   cv::warpAffine(gray, turned, some, {frame.size.width, (frame.size.height + kRowStep - 1) / kRowStep},
                  cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);

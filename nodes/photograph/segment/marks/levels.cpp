@@ -15,8 +15,7 @@ cv::Mat levels_of(const Image& image, int section) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const Vec3f c = linear_to_srgb(image.at(x, y, section).cwiseMax(0.0f).cwiseMin(1.0f));
-      for (int k = 0; k < 3; ++k)
-        out.at<cv::Vec3b>(y, x)[k] = static_cast<std::uint8_t>(std::lround(255 * c[k]));
+      for (int k = 0; k < 3; ++k) out.at<cv::Vec3b>(y, x)[k] = std::lround(255 * c[k]);
     }
   return out;
 }
@@ -30,8 +29,7 @@ cv::Mat distance_from(const cv::Mat& levels, const cv::Vec3b& color) {
       const auto& c = levels.at<cv::Vec3b>(y, x);
       int most = 0;
       for (int k = 0; k < 3; ++k) most = std::max(most, std::abs(c[k] - color[k]));
-      out.at<std::uint8_t>(y, x) =
-          static_cast<std::uint8_t>(std::max((std::abs(luma(c) - own) + 500) / 1000, most / 4));
+      out.at<std::uint8_t>(y, x) = std::max((std::abs(luma(c) - own) + 500) / 1000, most / 4);
     }
   return out;
 }
@@ -49,7 +47,10 @@ cv::Vec3b commonest(const cv::Mat& levels) {
   std::ptrdiff_t most = 0;
   for (auto i = all.begin(); i != all.end();) {
     const auto end = std::upper_bound(i, all.end(), *i);
-    if (end - i > most) most = end - i, best = *i;
+    if (end - i > most) {
+      most = end - i;
+      best = *i;
+    }
     i = end;
   }
   return {static_cast<std::uint8_t>(best), static_cast<std::uint8_t>(best >> 8),

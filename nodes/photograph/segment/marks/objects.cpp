@@ -48,7 +48,7 @@ cv::Mat filled(const cv::Mat& mask) {
   cv::convexHull(pixels, hull);
   cv::Mat whole(mask.size(), CV_8U, cv::Scalar(0));
   cv::fillConvexPoly(whole, hull, cv::Scalar(255));
-  return static_cast<double>(pixels.size()) >= kMost * cv::countNonZero(whole) ? whole : mask;
+  return pixels.size() >= kMost * cv::countNonZero(whole) ? whole : mask;
 }
 
 }  // namespace
@@ -56,8 +56,7 @@ cv::Mat filled(const cv::Mat& mask) {
 std::vector<FoundObject> find_objects(const Image& image, IgnoredPixels& ignored, const Work& work) {
   std::vector<std::vector<Marked>> of_section(image.sections);
   work.parallel(of_section.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s)
-      of_section[s] = marked_objects(image, static_cast<int>(s), work.quiet());
+    for (std::size_t s = begin; s < end; ++s) of_section[s] = marked_objects(image, s, work.quiet());
   });
   std::vector<FoundObject> objects;
   for (int s = 0; s < image.sections; ++s)

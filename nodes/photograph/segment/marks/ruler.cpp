@@ -17,11 +17,12 @@ float lightness(const Image& image, int x, int y, int section) {
 }
 
 float between(const Image& image, int section, double x, double y) {
-  x = std::clamp(x, 0.0, image.width - 1.0), y = std::clamp(y, 0.0, image.height - 1.0);
+  x = std::clamp(x, 0.0, image.width - 1.0);
+  y = std::clamp(y, 0.0, image.height - 1.0);
   const int x0 = std::min(static_cast<int>(x), std::max(0, image.width - 2)),
             y0 = std::min(static_cast<int>(y), std::max(0, image.height - 2));
   const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
-  const auto u = static_cast<float>(x - x0), v = static_cast<float>(y - y0);
+  const float u = x - x0, v = y - y0;
   return (1 - v) * ((1 - u) * lightness(image, x0, y0, section) + u * lightness(image, x1, y0, section)) +
          v * ((1 - u) * lightness(image, x0, y1, section) + u * lightness(image, x1, y1, section));
 }
@@ -33,7 +34,7 @@ struct Period {
 
 // Autocorrelation of a line without its slow changes.
 std::vector<double> autocorrelation(const std::vector<float>& line) {
-  const auto n = static_cast<int>(line.size());
+  const int n = line.size();
   std::vector<double> sums(n + 1, 0), value(n);
   for (int i = 0; i < n; ++i) sums[i + 1] = sums[i] + line[i];
   const int reach = std::max(4, n / 8);
@@ -44,9 +45,11 @@ std::vector<double> autocorrelation(const std::vector<float>& line) {
   std::vector<double> out(n * 3 / 4, 0);
   for (int lag = 0; lag < static_cast<int>(out.size()); ++lag) {
     double both = 0, first = 1e-9, second = 1e-9;
-    for (int i = 0; i + lag < n; ++i)
-      both += value[i] * value[i + lag], first += value[i] * value[i],
-          second += value[i + lag] * value[i + lag];
+    for (int i = 0; i + lag < n; ++i) {
+      both += value[i] * value[i + lag];
+      first += value[i] * value[i];
+      second += value[i + lag] * value[i + lag];
+    }
     out[lag] = both / std::sqrt(first * second);
   }
   return out;
@@ -58,17 +61,18 @@ bool all_along(const std::vector<float>& line) {
   for (int k = 0; k < 4; ++k) {
     const auto first = line.begin() + static_cast<std::ptrdiff_t>(line.size() * k / 4),
                last = line.begin() + static_cast<std::ptrdiff_t>(line.size() * (k + 1) / 4);
-    const double n = static_cast<double>(last - first), mean = std::accumulate(first, last, 0.0) / n;
+    const double n = last - first, mean = std::accumulate(first, last, 0.0) / n;
     double energy = 0;
     for (auto i = first; i < last; ++i) energy += (*i - mean) * (*i - mean) / n;
-    least = std::min(least, energy), sum += energy / 4;
+    least = std::min(least, energy);
+    sum += energy / 4;
   }
   return least > 0.25 * sum;
 }
 
 Period shortest_period(const std::vector<float>& line) {
   const std::vector<double> a = autocorrelation(line);
-  const auto n = static_cast<int>(a.size());
+  const int n = a.size();
   const auto summit_near = [&](double at, double slack) {
     int best = std::clamp(static_cast<int>(std::lround(at)), 1, n - 2);
     for (int i = std::max(1, static_cast<int>(at - slack));
@@ -96,7 +100,8 @@ Period shortest_period(const std::vector<float>& line) {
     for (int k = 2; k * p.length + 1 < n; ++k) {
       const int next = summit_near(k * p.length, 0.25 * p.length);
       if (a[next] < 0.4 || std::abs(refined(next) - k * p.length) > 0.25 * p.length) break;
-      p.length = refined(next) / k, p.repeats = k;
+      p.length = refined(next) / k;
+      p.repeats = k;
     }
     p.uncertainty = 0.5 / p.repeats;
     return p;
@@ -113,7 +118,9 @@ std::optional<ScaleMark> find_ticks(const Image& image, int section, const Pixel
     for (int x = box.left; x <= box.right; ++x)
       if (ignored[image.index(x, y, section)]) {
         const Vec2 p(x, y);
-        mean += p, square += p * p.transpose(), ++pixels;
+        mean += p;
+        square += p * p.transpose();
+        ++pixels;
       }
   if (pixels < 100) return {};
   mean /= pixels;
@@ -156,16 +163,21 @@ std::optional<ScaleMark> find_bar(const Image& image, int section, const PixelBo
       const float first = lightness(image, x, y, section);
       int end = x;
       while (end <= box.right && std::abs(lightness(image, end, y, section) - first) < kSame) ++end;
-      if (std::abs(first - usual) > kApart && end - x > right - left && x > box.left && end <= box.right)
-        left = x, right = end;
+      if (std::abs(first - usual) > kApart && end - x > right - left && x > box.left && end <= box.right) {
+        left = x;
+        right = end;
+      }
       x = std::max(end, x + 1);
     }
     if (right > left && std::abs(left - from) <= 1 && std::abs(right - to) <= 1) {
       ++rows;
-      from = std::max(from, left), to = std::min(to, right);
+      from = std::max(from, left);
+      to = std::min(to, right);
     } else {
       close();
-      from = left, to = right, rows = right > left ? 1 : 0;
+      from = left;
+      to = right;
+      rows = right > left ? 1 : 0;
     }
   }
   close();

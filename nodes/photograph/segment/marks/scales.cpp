@@ -48,9 +48,7 @@ class Body {
     const MarkColors colors = colors_of(turned_(box_), step_);
     own_ = cv::Mat(turned_.size(), CV_8U, cv::Scalar(0));
     for (const auto* some : {&colors.light, &colors.dark})
-      own([&](int x) {
-        return (*some)[static_cast<std::size_t>(std::clamp(x - comb_.x, 0, comb_.width - 1))];
-      });
+      own([&](int x) { return (*some)[std::clamp(x - comb_.x, 0, comb_.width - 1)]; });
   }
 
   // The rectangle of the object, or none if it is not one.
@@ -118,7 +116,8 @@ class Body {
       if (belongs({comb_.x, y, comb_.width, 1})) top = y;
     for (int y = bottom; y < std::min(own_.rows, bottom + gap); ++y)
       if (belongs({comb_.x, y, comb_.width, 1})) bottom = y + 1;
-    box_.y = top, box_.height = bottom - top;
+    box_.y = top;
+    box_.height = bottom - top;
   }
 
   void grow_columns() {
@@ -132,7 +131,8 @@ class Body {
       if (belongs({x, rest.y, 1, rest.height})) left = x;
     for (int x = right; x < std::min(own_.cols, right + gap); ++x)
       if (belongs({x, rest.y, 1, rest.height})) right = x + 1;
-    box_.x = left, box_.width = right - left;
+    box_.x = left;
+    box_.width = right - left;
   }
 
   bool belongs(const cv::Rect& line) const { return share(line).value_or(0) >= 0.55; }
@@ -170,8 +170,10 @@ Comb refined(const cv::Mat& gray, const Comb& coarse) {
         const TurnedFrame all(gray.size(), c.angle);
         const cv::Point2d q = all.in_frame(p + cv::Point2d(window.tl()));
         const int length = c.right - c.left, rows = c.bottom - c.top;
-        c.left = static_cast<int>(std::lround(q.x - length / 2.0)), c.right = c.left + length;
-        c.top = static_cast<int>(std::lround(q.y - rows / 2.0)), c.bottom = c.top + rows;
+        c.left = std::lround(q.x - length / 2.0);
+        c.right = c.left + length;
+        c.top = std::lround(q.y - rows / 2.0);
+        c.bottom = c.top + rows;
         best = c;
       }
     }
@@ -211,11 +213,16 @@ std::vector<cv::Point> object_around(const cv::Mat& levels, const Comb& comb, do
     const cv::Point2d p = frame.in_frame(middle);
     Comb c = comb;
     const int length = comb.right - comb.left, rows = comb.bottom - comb.top;
-    c.left = static_cast<int>(std::lround(p.x - length / 2.0)), c.right = c.left + length;
-    c.top = static_cast<int>(std::lround(p.y - rows / 2.0)), c.bottom = c.top + rows;
+    c.left = std::lround(p.x - length / 2.0);
+    c.right = c.left + length;
+    c.top = std::lround(p.y - rows / 2.0);
+    c.bottom = c.top + rows;
     Body body(levels, frame, c);
     const auto box = body.grow();
-    if (box && body.fit() > fit) fit = body.fit(), best = corners_of(frame, *box, scale);
+    if (box && body.fit() > fit) {
+      fit = body.fit();
+      best = corners_of(frame, *box, scale);
+    }
     if (turn == 0 && !box) break;
   }
   return best;
@@ -233,8 +240,7 @@ void find_at_scale(const cv::Mat& levels, double scale, cv::Mat& taken,
   constexpr int kAngles = 60;
   std::vector<std::vector<Comb>> at_angle(kAngles);
   work.parallel(kAngles, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      at_angle[k] = find_combs(gray, 180.0 / kAngles * static_cast<double>(k) * kDegree);
+    for (std::size_t k = begin; k < end; ++k) at_angle[k] = find_combs(gray, 180.0 / kAngles * k * kDegree);
   });
   std::vector<Comb> combs;
   for (const auto& some : at_angle) combs.insert(combs.end(), some.begin(), some.end());

@@ -48,8 +48,7 @@ void add_fragments(const Image& image, const UndecidedPixels& undecided, std::si
     }
   for (std::size_t k = 0; k < area.size(); ++k)
     if (parts.sizes[k] >= kLeast)
-      out.fragments.push_back(
-          {colors.value(k), image.pixel_size * image.pixel_size * static_cast<double>(area[k])});
+      out.fragments.push_back({colors.value(k), image.pixel_size * image.pixel_size * area[k]});
 }
 
 }  // namespace
@@ -62,9 +61,9 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
   Profiles out;
   out.sections = labels.sections;
   out.window = s * Vec2(W, H);
-  const auto seen = static_cast<double>(section_size * labels.sections) -
-                    static_cast<double>(std::count(ignored.begin(), ignored.end(), 1));
-  const double decided = seen - static_cast<double>(std::count(undecided.begin(), undecided.end(), 1));
+  const auto seen =
+      static_cast<double>(section_size * labels.sections) - std::count(ignored.begin(), ignored.end(), 1);
+  const double decided = seen - std::count(undecided.begin(), undecided.end(), 1);
   out.observed_area = s * s * decided;
   Eigen::Vector3d binder = Eigen::Vector3d::Zero();
   std::int64_t binder_pixels = 0;
@@ -73,7 +72,10 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
     // Ids run through all sections; here they are renumbered from 1 within the section.
     std::int32_t low = 0x7fffffff, high = 0;
     for (std::size_t i = first; i < first + section_size; ++i)
-      if (labels.ids[i] > 0) low = std::min(low, labels.ids[i]), high = std::max(high, labels.ids[i]);
+      if (labels.ids[i] > 0) {
+        low = std::min(low, labels.ids[i]);
+        high = std::max(high, labels.ids[i]);
+      }
     const int count = high == 0 ? 0 : high - low + 1;
     const std::span<const std::int32_t> ids(labels.ids.data() + first, section_size);
     const auto deep = [&](int x, int y) {  // more than one pixel inside
@@ -98,8 +100,10 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         Sums& p = sums[ids[i] - low];
         ++p.pixels;
         if (deep(x, y)) ++p.core_pixels;
-        p.left = std::min(p.left, x), p.right = std::max(p.right, x);
-        p.top = std::min(p.top, y), p.bottom = std::max(p.bottom, y);
+        p.left = std::min(p.left, x);
+        p.right = std::max(p.right, x);
+        p.top = std::min(p.top, y);
+        p.bottom = std::max(p.bottom, y);
       }
     work.check();
     // Colors of the cores, or of whole profiles without a core.
@@ -110,7 +114,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       for (int x = 0; x < W; ++x) {
         const std::size_t i = static_cast<std::size_t>(y) * W + x;
         if (ids[i] == 0) continue;
-        const auto k = static_cast<std::size_t>(ids[i] - low);
+        const std::size_t k = ids[i] - low;
         if (sums[k].core_pixels == 0 || deep(x, y)) colors.add(k, image.pixels[first + i]);
       }
     work.check();
@@ -121,7 +125,10 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
     std::map<std::pair<int, int>, std::int64_t> places;  // for boxes of this size
     const auto count_places = [&](int w, int h) {
       const auto [it, added] = places.try_emplace({w, h}, 0);
-      if (added) work.check(), it->second = positions->count(w, h);
+      if (added) {
+        work.check();
+        it->second = positions->count(w, h);
+      }
       return static_cast<double>(it->second);
     };
     for (int k = 0; k < count; ++k) {
@@ -141,7 +148,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
         p.weight = seen / labels.sections / count_places(w, h);
       else
         p.weight = static_cast<double>(W) * H / (static_cast<double>(W - w - 1) * (H - h - 1));
-      p.color = colors.value(static_cast<std::size_t>(k));
+      p.color = colors.value(k);
       p.contour = std::move(lines[k].points);
       for (auto& q : p.contour) q *= s;
       out.classes = std::max(out.classes, p.cls + 1);
@@ -149,7 +156,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
     }
   }
   if (binder_pixels > 0) out.binder_color = (binder / static_cast<double>(binder_pixels)).cast<float>();
-  out.area_fraction = decided > 0 ? 1 - static_cast<double>(binder_pixels) / decided : 0;
+  out.area_fraction = decided > 0 ? 1 - binder_pixels / decided : 0;
   return out;
 }
 

@@ -45,7 +45,7 @@ class Basins {
 struct SharedBorder {
   double border = 0;  // sum of the map of borders
   std::int64_t length = 0;
-  double mean() const { return border / static_cast<double>(length); }
+  double mean() const { return border / length; }
 };
 
 // Merges the two neighbors with the faintest common border, as long as its mean is below the limit. Their
@@ -58,8 +58,10 @@ void merge_open_neighbors(const NetworkMaps& m, const std::vector<std::int32_t>&
       if (basin[j] < 0) return;
       const std::int32_t a = basins.root(basin[i]), b = basins.root(basin[j]);
       if (a == b) return;
-      for (SharedBorder* c : {&contacts[a][b], &contacts[b][a]})
-        c->border += std::max(m.border[i], m.border[j]), ++c->length;
+      for (SharedBorder* c : {&contacts[a][b], &contacts[b][a]}) {
+        c->border += std::max(m.border[i], m.border[j]);
+        ++c->length;
+      }
     };
     if (i % m.width + 1 < m.width) meet(i + 1);
     if (i / m.width + 1 < m.height) meet(i + m.width);
@@ -89,8 +91,10 @@ void merge_open_neighbors(const NetworkMaps& m, const std::vector<std::int32_t>&
     contacts[gone].clear();
     for (const auto& [other, c] : moved) {
       contacts[other].erase(gone);
-      for (SharedBorder* to : {&contacts[kept][other], &contacts[other][kept]})
-        to->border += c.border, to->length += c.length;
+      for (SharedBorder* to : {&contacts[kept][other], &contacts[other][kept]}) {
+        to->border += c.border;
+        to->length += c.length;
+      }
     }
     for (const auto& [other, c] : contacts[kept]) consider(kept, other);
   }
@@ -99,7 +103,7 @@ void merge_open_neighbors(const NetworkMaps& m, const std::vector<std::int32_t>&
 }  // namespace
 
 std::vector<std::int32_t> find_basins(const NetworkMaps& m, const Work& work) {
-  const auto n = static_cast<std::int32_t>(m.inside.size());
+  const std::int32_t n = m.inside.size();
   std::vector<float> relief(n, 0.0f);
   std::vector<std::vector<std::int32_t>> level(kLevels + 1);
   for (std::int32_t i = 0; i < n; ++i) {

@@ -12,7 +12,7 @@ constexpr int kMarginOfRegion = 6;  // as far as evidence looks around
 
 std::vector<float> levels() {
   std::vector<float> out{0.04f, 0.07f};
-  for (int k = 2; k <= 18; ++k) out.push_back(0.05f * static_cast<float>(k));
+  for (int k = 2; k <= 18; ++k) out.push_back(0.05f * k);
   return out;
 }
 
@@ -101,7 +101,7 @@ std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) 
     areas.assign(count, 0);
     for (int k = 1; k < count; ++k) {
       areas[k] = stats.at<int>(k, cv::CC_STAT_AREA);
-      if (areas[k] < 0.5 * min_area || sprawls(stats.row(k), static_cast<double>(within_.total()))) continue;
+      if (areas[k] < 0.5 * min_area || sprawls(stats.row(k), within_.total())) continue;
       Candidate c;
       c.box = {stats.at<int>(k, cv::CC_STAT_LEFT), stats.at<int>(k, cv::CC_STAT_TOP),
                stats.at<int>(k, cv::CC_STAT_WIDTH), stats.at<int>(k, cv::CC_STAT_HEIGHT)};

@@ -9,7 +9,7 @@
 namespace terrazzo::segment {
 namespace {
 
-float log_ratio(double a, double b) { return static_cast<float>(std::log((a + 0.03) / (b + 0.03))); }
+float log_ratio(double a, double b) { return std::log((a + 0.03) / (b + 0.03)); }
 
 cv::Mat shrunk(const cv::Mat& mask, const cv::Mat& element, int times) {
   cv::Mat out;  // what lies beyond the section does not shrink it
@@ -27,7 +27,7 @@ double quantile_of(const cv::Mat& map, const cv::Mat& mask, double q, double oth
     for (int x = 0; x < map.cols; ++x)
       if (mask.at<std::uint8_t>(y, x)) values.push_back(map.at<float>(y, x));
   if (values.empty()) return otherwise;
-  return at_rank(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
+  return at_rank(values, static_cast<std::size_t>(q * (values.size() - 1)));
 }
 
 }  // namespace
@@ -65,7 +65,7 @@ Evidence evidence_of(const Cutout& r, const ScaleView& view, const cv::Mat& near
   std::vector<cv::Point> hull;
   cv::convexHull(outline, hull);
   // Contours run through the centers of pixels.
-  const double hull_area = cv::contourArea(hull) + 0.5 * static_cast<double>(outline.size()) + 1,
+  const double hull_area = cv::contourArea(hull) + 0.5 * outline.size() + 1,
                length = cv::arcLength(outline, true) + 1;
   const cv::Moments mo = cv::moments(r.mask, true);
   const double half = (mo.mu20 + mo.mu02) / 2, spread = std::hypot((mo.mu20 - mo.mu02) / 2, mo.mu11),

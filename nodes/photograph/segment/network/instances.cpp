@@ -37,7 +37,7 @@ class Filling {
   bool was_given_up(std::size_t k) const {
     const auto& pixels = instances_[k].pixels;
     const auto shared = std::count_if(pixels.begin(), pixels.end(), [&](auto i) { return given_up_[i]; });
-    return static_cast<double>(shared) >= kWithin * static_cast<double>(pixels.size());
+    return shared >= kWithin * pixels.size();
   }
   void give_up(const Place& p) {
     for (const auto i : p.pixels) given_up_[i] = 1;
@@ -46,14 +46,13 @@ class Filling {
   // Places the free part of an instance if it is large enough.
   bool place(std::size_t k) {
     const Instance& in = instances_[k];
-    if (placed_[k] || static_cast<double>(in.pixels.size()) < min_area_) return false;
+    if (placed_[k] || in.pixels.size() < min_area_) return false;
     rest_.clear();
     for (const auto i : in.pixels)
       if (labels_[i] == 0) rest_.push_back(i);
-    if (static_cast<double>(rest_.size()) < (1 - kOverlap) * static_cast<double>(in.pixels.size()))
-      return false;
+    if (rest_.size() < (1 - kOverlap) * in.pixels.size()) return false;
     Place p{k, largest_piece()};
-    if (static_cast<double>(p.pixels.size()) < min_area_) return false;
+    if (p.pixels.size() < min_area_) return false;
     put(std::move(p));
     return true;
   }
@@ -66,7 +65,7 @@ class Filling {
   void put(Place p) {
     placed_[p.from] = 1;
     places_.push_back(std::move(p));
-    for (const auto i : places_.back().pixels) labels_[i] = static_cast<std::int32_t>(places_.size());
+    for (const auto i : places_.back().pixels) labels_[i] = places_.size();
   }
 
  private:
@@ -79,7 +78,10 @@ class Filling {
       seen_[first] = 0;
       for (std::size_t q = 0; q < piece_.size(); ++q)
         neighbors(piece_[q], width_, height_, [&](std::int32_t j) {
-          if (seen_[j]) seen_[j] = 0, piece_.push_back(j);
+          if (seen_[j]) {
+            seen_[j] = 0;
+            piece_.push_back(j);
+          }
         });
       if (piece_.size() > largest.size()) largest.swap(piece_);
     }
@@ -114,9 +116,8 @@ std::vector<std::vector<std::size_t>> instances_within(const std::vector<std::in
     const double on_most = shared[most];
     for (const auto i : pixels) shared[labels[i]] = 0;
     if (most == 0) continue;
-    const auto size = static_cast<double>(pixels.size());
-    if (on_most >= kWithin * size && size <= kPart * static_cast<double>(areas[most]))
-      within[most - 1].push_back(k);
+    const double size = pixels.size();
+    if (on_most >= kWithin * size && size <= kPart * areas[most]) within[most - 1].push_back(k);
   }
   return within;
 }
@@ -154,8 +155,7 @@ Accepted accept_instances(const std::vector<Instance>& instances, int width, int
         if (filling.place(k)) sum += gain(k);
       const auto covered = std::count_if(before.pixels.begin(), before.pixels.end(),
                                          [&](auto i) { return filling.labels()[i] > 0; });
-      const bool enough = static_cast<double>(covered) >=
-                          instances[before.from].explained * static_cast<double>(before.pixels.size());
+      const bool enough = covered >= instances[before.from].explained * before.pixels.size();
       if (enough && sum > gain(before.from)) {
         filling.give_up(before);
         changed = true;
@@ -180,7 +180,7 @@ Accepted accept_instances(const std::vector<Instance>& instances, int width, int
   for (const std::size_t p : kept) {
     const std::size_t k = filling.places()[p].from;
     out.scores.push_back(instances[k].score), out.from.push_back(k);
-    number[p + 1] = static_cast<std::int32_t>(out.scores.size());
+    number[p + 1] = out.scores.size();
   }
   for (const auto label : filling.labels()) out.labels.push_back(number[label]);
   return out;

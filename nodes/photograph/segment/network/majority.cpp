@@ -9,7 +9,7 @@ std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int 
   std::vector<std::int32_t> out = labels;
   work.parallel(height, 16, [&](std::size_t b, std::size_t e) {
     std::vector<std::int32_t> around;
-    for (int y = static_cast<int>(b); y < static_cast<int>(e); ++y)
+    for (int y = b; y < static_cast<int>(e); ++y)
       for (int x = 0; x < width; ++x) {
         const std::size_t i = static_cast<std::size_t>(y) * width + x;
         around.clear();
@@ -25,8 +25,10 @@ std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int 
         for (std::size_t k = 0; k < around.size();) {
           std::size_t end = k;
           while (end < around.size() && around[end] == around[k]) ++end;
-          if (static_cast<std::ptrdiff_t>(end - k) > most)
-            most = static_cast<std::ptrdiff_t>(end - k), out[i] = around[k];
+          if (static_cast<std::ptrdiff_t>(end - k) > most) {
+            most = end - k;
+            out[i] = around[k];
+          }
           k = end;
         }
       }

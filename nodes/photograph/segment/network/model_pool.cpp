@@ -59,7 +59,7 @@ std::size_t ModelPool::pixels_kept() const {
   std::size_t sum = 0;
   for (const auto& one : free_)
     if (const auto& s = one->shape; s.size() == 4)
-      sum += static_cast<std::size_t>(s[0]) * static_cast<std::size_t>(s[2]) * static_cast<std::size_t>(s[3]);
+      sum += static_cast<std::size_t>(s[0]) * static_cast<std::size_t>(s[2]) * s[3];
   return sum;
 }
 

@@ -74,7 +74,8 @@ struct View {
   }
   NetworkMaps maps_of_size(int w, int h) {
     NetworkMaps result;
-    result.width = w, result.height = h;
+    result.width = w;
+    result.height = h;
     std::vector<float>* planes[4] = {&result.inside, &result.border, &result.distance, &result.not_material};
     for (int k = 0; k < 4; ++k) {
       const cv::Mat m = maps[k](cv::Rect(0, 0, width, height));

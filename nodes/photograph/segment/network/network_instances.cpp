@@ -36,7 +36,7 @@ class Claims {
     constexpr double kCovered = 0.4;  // as for accepted instances
     const auto pixels = region.pixels(width_);
     const auto lost = std::count_if(pixels.begin(), pixels.end(), [&](auto i) { return best_[i] >= score; });
-    return static_cast<double>(lost) >= kCovered * static_cast<double>(pixels.size());
+    return lost >= kCovered * pixels.size();
   }
 
  private:

@@ -23,7 +23,7 @@ std::vector<float> softened(const std::vector<std::int32_t>& labels, int width, 
 
 // The pixel of a side of `to` pixels that holds the center of pixel i of the same side in `from` pixels.
 std::size_t counterpart(int i, int from, int to) {
-  return static_cast<std::size_t>((2 * static_cast<std::int64_t>(i) + 1) * to / (2 * from));
+  return (2 * static_cast<std::int64_t>(i) + 1) * to / (2 * from);
 }
 
 }  // namespace
@@ -60,7 +60,8 @@ NetworkView::Found NetworkView::choose(const std::vector<Instance>& instances, c
   Accepted accepted = accept_instances(instances, width_, height_, options.min_area, options.min_score,
                                        confidence_of_score, work);
   Found found;
-  found.scores = std::move(accepted.scores), found.from = std::move(accepted.from);
+  found.scores = std::move(accepted.scores);
+  found.from = std::move(accepted.from);
   Particles2D& out = found.particles;
   out.min_area = options.min_area;
   out.labels = std::move(accepted.labels);
@@ -85,9 +86,8 @@ double NetworkView::largest_inside(const std::vector<std::int32_t>& pixels) cons
   double largest = 0;
   for (const ScaleView& view : scales_) {
     double sum = 0;
-    for (const auto i : pixels)
-      sum += static_cast<double>(view.maps().inside[reduced_index(i % width_, i / width_)]);
-    if (!pixels.empty()) largest = std::max(largest, sum / static_cast<double>(pixels.size()));
+    for (const auto i : pixels) sum += view.maps().inside[reduced_index(i % width_, i / width_)];
+    if (!pixels.empty()) largest = std::max(largest, sum / pixels.size());
   }
   return largest;
 }
@@ -126,8 +126,7 @@ std::vector<double> NetworkView::scores(const std::vector<std::int32_t>& of_sect
       std::vector<std::size_t> whose;
       for (std::size_t k = begin; k < end; ++k) {
         if (boxes[k].empty()) continue;
-        const Cutout region =
-            cut_out_label(labels, own.width, own.height, static_cast<std::int32_t>(k + 1), boxes[k]);
+        const Cutout region = cut_out_label(labels, own.width, own.height, k + 1, boxes[k]);
         evidence.push_back(evidence_of(region, view, near_border_));
         whose.push_back(k);
       }

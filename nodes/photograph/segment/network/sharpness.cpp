@@ -45,7 +45,7 @@ std::vector<int> starts(int side) {
 }
 
 float quantile(std::vector<float> values, double q) {
-  return at_rank(values, static_cast<std::size_t>(q * static_cast<double>(values.size() - 1)));
+  return at_rank(values, static_cast<std::size_t>(q * (values.size() - 1)));
 }
 
 }  // namespace
@@ -61,9 +61,17 @@ double blur_of(const Image& image, double scale) {
   const float strong = quantile(g.coarse, kStrong), weak = quantile(g.coarse, kWeak);
   double edge_fine = 0, edge_coarse = 0, noise_fine = 0, noise_coarse = 0, edges = 0, noises = 0;
   for (std::size_t i = 0; i < g.coarse.size(); ++i) {
-    const double fine = static_cast<double>(g.fine[i]), coarse = static_cast<double>(g.coarse[i]);
-    if (g.coarse[i] >= strong) edge_fine += fine, edge_coarse += coarse, ++edges;
-    if (g.coarse[i] <= weak) noise_fine += fine, noise_coarse += coarse, ++noises;
+    const double fine = g.fine[i], coarse = g.coarse[i];
+    if (g.coarse[i] >= strong) {
+      edge_fine += fine;
+      edge_coarse += coarse;
+      ++edges;
+    }
+    if (g.coarse[i] <= weak) {
+      noise_fine += fine;
+      noise_coarse += coarse;
+      ++noises;
+    }
   }
   const double before = edge_fine / edges - noise_fine / noises,
                after = edge_coarse / edges - noise_coarse / noises;

@@ -20,8 +20,10 @@ struct Sums {
   double weight = 0, squares = 0;
   Eigen::Vector3d seen = Eigen::Vector3d::Zero(), light = Eigen::Vector3d::Zero();
   void add(const Sums& s, double factor) {
-    weight += factor * s.weight, squares += factor * s.squares;
-    seen += factor * s.seen, light += factor * s.light;
+    weight += factor * s.weight;
+    squares += factor * s.squares;
+    seen += factor * s.seen;
+    light += factor * s.light;
   }
   double variance() const { return std::max(0.0, squares / weight - (seen / weight).squaredNorm()); }
 };
@@ -55,7 +57,7 @@ class Contacts {
     if (apart < kTexture * kTexture * texture || apart < kNoise * kNoise * noise_ * noise_) return 1;
     const Eigen::Vector3d b = binder.light / binder.weight, axis = own.light / own.weight - b;
     if (axis.squaredNorm() < 1e-12) return 1;
-    return static_cast<float>((light_[i].cast<double>() - b).dot(axis) / axis.squaredNorm());
+    return (light_[i].cast<double>() - b).dot(axis) / axis.squaredNorm();
   }
 
  private:
@@ -64,7 +66,7 @@ class Contacts {
     depth_.assign(labels_.size(), 0);
     std::vector<std::uint8_t> near(labels_.size(), 0);
     work.quiet().parallel(height_, 16, [&](std::size_t begin, std::size_t end) {
-      for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int y = begin; y < static_cast<int>(end); ++y)
         for (int x = 0; x < width_; ++x) {
           const std::size_t i = at(x, y);
           int deep = kReach + 1;
@@ -81,7 +83,7 @@ class Contacts {
     });
     whole_.resize(1);
     for (std::size_t i = 0; i < labels_.size(); ++i) {
-      const auto k = static_cast<std::size_t>(labels_[i]);
+      const std::size_t k = labels_[i];
       if (k >= whole_.size()) whole_.resize(k + 1);
       whole_[k].add(one(i), depth_[i]);
       if (near[i]) near_.push_back(i);
@@ -95,7 +97,7 @@ class Contacts {
 
   // The label's pixels within `reach`; where they weigh less than `least`, all of its pixels complete them.
   Sums around(std::size_t i, std::int32_t label, int reach, double least) const {
-    const int x = static_cast<int>(i % width_), y = static_cast<int>(i / width_);
+    const int x = i % width_, y = i / width_;
     Sums s;
     for (int v = std::max(0, y - reach); v <= std::min(height_ - 1, y + reach); ++v)
       for (int u = std::max(0, x - reach); u <= std::min(width_ - 1, x + reach); ++u)

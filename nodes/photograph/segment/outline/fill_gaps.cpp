@@ -19,7 +19,7 @@ cv::Mat encoded(const Image& image, int section) {
     for (int x = 0; x < image.width; ++x) {
       const Vec3f c = linear_to_srgb(image.pixels[image.index(x, y, section)].cwiseMax(0.0f).cwiseMin(1.0f));
       auto& to = out.at<cv::Vec3b>(y, x);
-      for (int k = 0; k < 3; ++k) to[k] = static_cast<unsigned char>(std::lround(255 * c[k]));
+      for (int k = 0; k < 3; ++k) to[k] = std::lround(255 * c[k]);
     }
   cv::GaussianBlur(out, out, {}, kBlur);
   return out;
@@ -30,8 +30,7 @@ cv::Mat encoded(const Image& image, int section) {
 std::int32_t fill_gaps(std::vector<std::int32_t>& labels, const Image& image, int section) {
   const cv::Size size(image.width, image.height);
   std::int32_t count = *std::max_element(labels.begin(), labels.end());
-  const auto covered =
-      static_cast<double>(std::count_if(labels.begin(), labels.end(), [](auto l) { return l > 0; }));
+  const double covered = std::count_if(labels.begin(), labels.end(), [](auto l) { return l > 0; });
   if (count == 0) {
     std::fill(labels.begin(), labels.end(), 1);
     return 1;
@@ -63,7 +62,8 @@ std::int32_t fill_gaps(std::vector<std::int32_t>& labels, const Image& image, in
         for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
           if (x + dx < 0 || x + dx >= size.width || y + dy < 0 || y + dy >= size.height) continue;
           if (const auto l = before[at + static_cast<std::ptrdiff_t>(dy) * size.width + dx]; l > 0) {
-            labels[at] = l, any = true;
+            labels[at] = l;
+            any = true;
             break;
           }
         }

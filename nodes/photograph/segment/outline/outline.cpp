@@ -42,7 +42,7 @@ class Contour {
     for (std::size_t e = 0; e < next_.size(); ++e) {
       if (next_[e] < 0) continue;
       std::vector<Vec2> loop;
-      auto i = static_cast<std::int32_t>(e);
+      std::int32_t i = e;
       while (next_[i] >= 0) {
         loop.push_back(point(i));
         const std::int32_t n = next_[i];
@@ -57,8 +57,8 @@ class Contour {
  private:
   std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * columns_ + x; }
   bool in(int x, int y) const { return value_[at(x, y)] >= 0.5f; }
-  std::int32_t right_of(int x, int y) const { return static_cast<std::int32_t>(2 * at(x, y)); }
-  std::int32_t down_of(int x, int y) const { return static_cast<std::int32_t>(2 * at(x, y) + 1); }
+  std::int32_t right_of(int x, int y) const { return 2 * at(x, y); }
+  std::int32_t down_of(int x, int y) const { return 2 * at(x, y) + 1; }
 
   void cell(int x, int y) {
     const std::int32_t top = right_of(x, y), bottom = right_of(x, y + 1), left = down_of(x, y),
@@ -136,8 +136,10 @@ std::vector<LabelOutline> outlines(std::span<const std::int32_t> labels, std::sp
       const std::int32_t id = labels[static_cast<std::size_t>(y) * width + x];
       if (id < first || id >= first + count) continue;
       Window& w = windows[id - first];
-      w.left = std::min(w.left, x), w.right = std::max(w.right, x);
-      w.top = std::min(w.top, y), w.bottom = std::max(w.bottom, y);
+      w.left = std::min(w.left, x);
+      w.right = std::max(w.right, x);
+      w.top = std::min(w.top, y);
+      w.bottom = std::max(w.bottom, y);
     }
   std::vector<LabelOutline> out(count);
   work.parallel(count, 16, [&](std::size_t b, std::size_t e) {
@@ -159,7 +161,10 @@ std::vector<LabelOutline> outlines(std::span<const std::int32_t> labels, std::sp
         }
         o.area += twice / 2;
         moment += m / 6;
-        if (twice > largest) largest = twice, o.points = std::move(loop);
+        if (twice > largest) {
+          largest = twice;
+          o.points = std::move(loop);
+        }
       }
       if (o.area > 0) o.centroid = moment / o.area;
     }

@@ -36,7 +36,7 @@ class Outlines {
       : width_(image.width), height_(image.height), labels_(labels), image_(image) {
     deep_.assign(labels.size(), 1);
     work.quiet().parallel(height_, 16, [&](std::size_t begin, std::size_t end) {
-      for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int y = begin; y < static_cast<int>(end); ++y)
         for (int x = 0; x < width_; ++x)
           for (int v = std::max(0, y - kDeep); v <= std::min(height_ - 1, y + kDeep); ++v)
             for (int u = std::max(0, x - kDeep); u <= std::min(width_ - 1, x + kDeep); ++u)
@@ -87,10 +87,13 @@ class Outlines {
       for (int x = box.x; x < box.br().x; ++x) {
         if (!counts(x, y)) continue;
         const Vec3f& c = image_.pixels[at(x, y)];
-        l.sum += c.cast<double>(), ++l.pixels;
+        l.sum += c.cast<double>();
+        ++l.pixels;
         const auto pair = [&](int u, int v) {
-          if (u < box.br().x && v < box.br().y && counts(u, v))
-            l.squares += (c - image_.pixels[at(u, v)]).squaredNorm(), ++l.pairs;
+          if (u < box.br().x && v < box.br().y && counts(u, v)) {
+            l.squares += (c - image_.pixels[at(u, v)]).squaredNorm();
+            ++l.pairs;
+          }
         };
         pair(x + kApart, y), pair(x, y + kApart);
       }

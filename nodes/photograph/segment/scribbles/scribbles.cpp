@@ -31,7 +31,7 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
   work.parallel(kSigmas.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
       const double sigma = kSigmas[s];
-      const auto scale = static_cast<float>(sigma);
+      const float scale = sigma;
       cv::Mat smooth, plane[3], dx, dy, xx, xy, yy, gradient, txx, txy, tyy;
       cv::GaussianBlur(color, smooth, cv::Size(0, 0), sigma, sigma, cv::BORDER_REFLECT_101);
       cv::split(smooth, plane);
@@ -43,7 +43,8 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
           cv::GaussianBlur(dy.mul(dy), tyy, cv::Size(0, 0), 1.5 * sigma);
       const auto eigenvalues = [](float a, float b, float c, float* to) {
         const float middle = (a + c) / 2, apart = std::sqrt((a - c) * (a - c) / 4 + b * b);
-        to[0] = middle + apart, to[1] = middle - apart;
+        to[0] = middle + apart;
+        to[1] = middle - apart;
       };
       for (int y = 0; y < lab.height; ++y)
         for (int x = 0; x < lab.width; ++x) {
@@ -55,7 +56,8 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
           eigenvalues(scale * scale * xx.at<float>(y, x), scale * scale * xy.at<float>(y, x),
                       scale * scale * yy.at<float>(y, x), f + 5);
           eigenvalues(txx.at<float>(y, x), txy.at<float>(y, x), tyy.at<float>(y, x), f + 7);
-          f[7] = scale * std::sqrt(std::max(0.0f, f[7])), f[8] = scale * std::sqrt(std::max(0.0f, f[8]));
+          f[7] = scale * std::sqrt(std::max(0.0f, f[7]));
+          f[8] = scale * std::sqrt(std::max(0.0f, f[8]));
         }
     }
   });
@@ -143,9 +145,12 @@ Particles2D find_particles_by_scribbles(const ScribbleMaps& maps, int width, int
   const Components parts = connected_components(raster, width, height, false);
   out.labels = parts.ids;
   for (const auto size : parts.sizes)
-    if (static_cast<double>(size) < out.min_area) ++out.specks, out.speck_pixels += size;
+    if (size < out.min_area) {
+      ++out.specks;
+      out.speck_pixels += size;
+    }
   for (auto& l : out.labels)
-    if (l != 0 && static_cast<double>(parts.sizes[l - 1]) < out.min_area) l = 0;
+    if (l != 0 && parts.sizes[l - 1] < out.min_area) l = 0;
   renumber_labels(out.labels);
   out.coverage.resize(share.size());
   for (std::size_t i = 0; i < share.size(); ++i)

@@ -62,7 +62,7 @@ Record record_of(const segment::CloseUp& seen, const synthetic_photo::Photo& pho
         mask.at<float>(static_cast<int>(i) / photo.image.width, static_cast<int>(i) % photo.image.width) = 1;
   const double shown = cv::sum(mask(seen.square & cv::Rect(0, 0, mask.cols, mask.rows)))[0];
   const double shrink = static_cast<double>(segment::kCloseUp) / seen.square.width;
-  r.outside = static_cast<float>((area - shown) * shrink * shrink);
+  r.outside = (area - shown) * shrink * shrink;
   put(r.planes[9], segment::seen_close(mask, seen.square), 255, 0);
   return r;
 }
@@ -90,17 +90,18 @@ Rows rows_of(const segment::Network& network, std::uint64_t seed, int number, bo
         double best = 0;
         std::int32_t particle = 0;
         for (const auto& [id, n] : shared)
-          if (const double overlap = static_cast<double>(n) / static_cast<double>(areas[id] + all - n);
-              overlap > best)
-            best = overlap, particle = id;
+          if (const double overlap = static_cast<double>(n) / (areas[id] + all - n); overlap > best) {
+            best = overlap;
+            particle = id;
+          }
         out.rows.push_back({evidence, static_cast<float>(best), static_cast<float>(number)});
         if (!closely) return;
         const float score = segment::built_in_judge()(std::span(&evidence, 1))[0];
         // Many regions are versions of each other, and those that the judge rejects are mostly alike.
         if (out.rows.size() % (score < 0.2f ? 64 : 6) != 0) return;
-        Record r = record_of(view.look_closely(region, scale), photo, particle,
-                             static_cast<double>(areas[particle] * (particle > 0)));
-        r.overlap = static_cast<float>(best);
+        Record r =
+            record_of(view.look_closely(region, scale), photo, particle, areas[particle] * (particle > 0));
+        r.overlap = best;
         out.records.push_back(r);
       });
   return out;
@@ -123,7 +124,8 @@ int write_all(const char* model, int pictures, std::uint64_t seed, const char* p
     if (close)
       good = good &&
              std::fwrite(out.records.data(), sizeof(Record), out.records.size(), close) == out.records.size();
-    count += out.rows.size(), looked += out.records.size();
+    count += out.rows.size();
+    looked += out.records.size();
     if (k % 50 == 49)
       std::fprintf(stderr, "%d of %d pictures, %zu regions, %zu close-ups\n", k + 1, pictures, count, looked);
   }

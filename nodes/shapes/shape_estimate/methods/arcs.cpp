@@ -32,7 +32,11 @@ Crossing outermost(const Outline& o, const Vec2& center, double angle) {
       const double r = c * p.x() + s * p.y();
       if (r > 0) {
         ++best.count;
-        if (r > best.radius) best.radius = r, best.segment = i, best.fraction = f;
+        if (r > best.radius) {
+          best.radius = r;
+          best.segment = i;
+          best.fraction = f;
+        }
       }
     }
     a = b;
@@ -62,7 +66,7 @@ void Arc::reverse() {
 Vec2 Arc::at(double s) const {
   if (s <= 0) return points.front();
   if (s >= 1) return points.back();
-  const std::size_t i = static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), s) - t.begin());
+  const std::size_t i = std::upper_bound(t.begin(), t.end(), s) - t.begin();
   const double f = (s - t[i - 1]) / (t[i] - t[i - 1]);
   return (1 - f) * points[i - 1] + f * points[i];
 }
@@ -124,15 +128,21 @@ Vec2 cut_center(const Outline& o, const std::vector<double>& angles) {
   if (fewest == 0) return best;
   constexpr int kGrid = 33;
   Vec2 low = o.points[0], high = low;
-  for (const auto& p : o.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const auto& p : o.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   double nearest = std::numeric_limits<double>::infinity();
   if (fewest < std::numeric_limits<int>::max()) nearest = 0;
   for (int i = 1; i < kGrid; ++i)
     for (int j = 1; j < kGrid; ++j) {
       const Vec2 c = low + (high - low).cwiseProduct(Vec2(i, j) / kGrid);
       const int count = extra(c);
-      if (count < fewest || (count == fewest && c.norm() < nearest))
-        best = c, fewest = count, nearest = c.norm();
+      if (count < fewest || (count == fewest && c.norm() < nearest)) {
+        best = c;
+        fewest = count;
+        nearest = c.norm();
+      }
     }
   return best;
 }

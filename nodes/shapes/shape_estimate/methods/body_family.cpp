@@ -28,7 +28,10 @@ void split_edges(Mesh& mesh, double limit) {
       for (int k = 0; k < 3; ++k) {
         const Edge e = std::minmax(t[k], t[(k + 1) % 3]);
         const double l = (mesh.vertices[e.first] - mesh.vertices[e.second]).squaredNorm();
-        if (l > length || (l == length && e < best)) best = e, length = l;
+        if (l > length || (l == length && e < best)) {
+          best = e;
+          length = l;
+        }
       }
       return best;
     };
@@ -40,7 +43,7 @@ void split_edges(Mesh& mesh, double limit) {
     std::map<Edge, std::int32_t> middle;
     for (const auto& [e, n] : votes)
       if (n == 2) {
-        middle[e] = static_cast<std::int32_t>(mesh.vertices.size());
+        middle[e] = mesh.vertices.size();
         mesh.vertices.push_back((mesh.vertices[e.first] + mesh.vertices[e.second]) / 2);
       }
     if (middle.empty()) return;
@@ -109,13 +112,13 @@ class Deformed : public BodyFamily {
     const auto soft = smoothed(body_, 6);
     const std::size_t n = body_.vertices.size();
     const Fields fields(seed);
-    swells_.resize(static_cast<Eigen::Index>(n), kFamilyHarmonics + kFamilyFields);
+    swells_.resize(n, kFamilyHarmonics + kFamilyFields);
     for (std::size_t v = 0; v < n; ++v) {
       smoothing_.push_back(soft[v] - body_.vertices[v]);
       double h[kFamilyHarmonics];
       const Vec3 u = body_.vertices[v].normalized();
       harmonics(u, kFamilyDegrees, h);
-      const auto row = static_cast<Eigen::Index>(v);
+      const Eigen::Index row = v;
       for (int k = 0; k < kFamilyHarmonics; ++k) swells_(row, k) = h[k];
       for (int k = 0; k < kFamilyFields; ++k) swells_(row, kFamilyHarmonics + k) = fields(k, u);
     }
@@ -138,17 +141,17 @@ class Deformed : public BodyFamily {
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       Vec3& p = mesh.vertices[v];
       p += smooth * smoothing_[v];
-      p *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
+      p *= std::exp(std::clamp(swell[v], -1.2, 1.2));
       p = p.cwiseProduct(stretch);
     }
     for (int k = 0; k < kFamilyPlanes; ++k) {
       const double depth = std::min(0.6, 0.2 * std::max(0.0, x[at + k]));  // relative to the body's extent
       if (depth == 0) continue;
       double high = 0;
-      for (const Vec3& p : mesh.vertices) high = std::max(high, planes_[static_cast<std::size_t>(k)].dot(p));
+      for (const Vec3& p : mesh.vertices) high = std::max(high, planes_[k].dot(p));
       const double level = (1 - depth) * high;
       for (Vec3& p : mesh.vertices) {
-        const Vec3& n = planes_[static_cast<std::size_t>(k)];
+        const Vec3& n = planes_[k];
         p -= 0.95 * std::max(0.0, n.dot(p) - level) * n;
       }
     }
@@ -177,8 +180,7 @@ class Cut : public BodyFamily {
   Mesh body(const Eigen::VectorXd& x) const override {
     std::vector<HalfSpace> sides;
     for (std::size_t k = 0; k < planes_.size(); ++k)
-      sides.push_back(
-          {planes_[k], reach_[k] * std::exp(bounded(0.25 * x[static_cast<Eigen::Index>(k)], 1.2))});
+      sides.push_back({planes_[k], reach_[k] * std::exp(bounded(0.25 * x[k], 1.2))});
     for (int k = 0; k < 6; ++k) {
       Vec3 n = Vec3::Zero();
       n[k / 2] = k % 2 ? 1 : -1;

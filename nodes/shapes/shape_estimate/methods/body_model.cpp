@@ -30,12 +30,12 @@ struct Ball {
   Mesh mesh;
   Eigen::MatrixXd swells;  // [vertex][harmonic, then field]
   explicit Ball(const Fields& fields) : mesh(geodesic_sphere(kLevel)) {
-    swells.resize(static_cast<Eigen::Index>(mesh.vertices.size()), kHarmonics + kFields);
+    swells.resize(mesh.vertices.size(), kHarmonics + kFields);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
-      const auto row = static_cast<Eigen::Index>(v);
+      const Eigen::Index row = v;
       std::array<double, kHarmonics> h;
       harmonics(mesh.vertices[v], kDegrees, h.data());
-      for (int k = 0; k < kHarmonics; ++k) swells(row, k) = h[static_cast<std::size_t>(k)];
+      for (int k = 0; k < kHarmonics; ++k) swells(row, k) = h[k];
       for (int k = 0; k < kFields; ++k) swells(row, kHarmonics + k) = fields(k, mesh.vertices[v]);
     }
   }
@@ -55,7 +55,8 @@ void bend(Mesh& mesh, double turn, double to) {
   const double c = std::cos(to), s = std::sin(to);
   double low = 1e300, high = -1e300, inner = 0;
   for (const Vec3& v : mesh.vertices) {
-    low = std::min(low, v.x()), high = std::max(high, v.x());
+    low = std::min(low, v.x());
+    high = std::max(high, v.x());
     inner = std::max(inner, -(c * v.y() + s * v.z()));
   }
   const double middle = (low + high) / 2, radius = std::max((high - low) / turn, 1.1 * inner);
@@ -81,8 +82,7 @@ class Modeled : public BodyFamily {
     Random r(seed, 211, static_cast<std::uint64_t>(guess));
     const double lumps = 0.02 + 0.16 * u(5);
     for (int k = 0, n = 2; n <= kDegrees; ++n)
-      for (int m = 0; m < 2 * n + 1; ++m, ++k)
-        lump_[static_cast<std::size_t>(k)] = lumps * r.normal() / (n * n);
+      for (int m = 0; m < 2 * n + 1; ++m, ++k) lump_[k] = lumps * r.normal() / (n * n);
   }
   int dimensions() const override { return 2 + kHarmonics + kFields + 3 * kPlanes + 1 + 1 + 2; }
   Mesh body(const Eigen::VectorXd& x) const override {
@@ -92,19 +92,18 @@ class Modeled : public BodyFamily {
     at += 2;
     Eigen::VectorXd c(kHarmonics + kFields);
     for (int k = 0, n = 2; n <= kDegrees; ++n)
-      for (int m = 0; m < 2 * n + 1; ++m, ++k)
-        c[k] = bounded(lump_[static_cast<std::size_t>(k)] + 0.24 / n * x[at + k], 0.4);
+      for (int m = 0; m < 2 * n + 1; ++m, ++k) c[k] = bounded(lump_[k] + 0.24 / n * x[at + k], 0.4);
     at += kHarmonics;
     for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
     at += kFields;
     const Eigen::VectorXd swell = ball_.swells * c;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-      mesh.vertices[v] *= std::exp(std::clamp(swell[static_cast<Eigen::Index>(v)], -1.2, 1.2));
+      mesh.vertices[v] *= std::exp(std::clamp(swell[v], -1.2, 1.2));
     const double soft = 0.015 * std::exp(bounded(1.2 * x[at + 3 * kPlanes], 3));
     for (int k = 0; k < kPlanes; ++k, at += 3) {
       const double depth = std::min(0.6, depth_ + 0.2 * x[at]);  // relative to the body's extent
       if (depth <= 0) continue;
-      const Mat3 frame = frame_about(planes_[static_cast<std::size_t>(k)]);
+      const Mat3 frame = frame_about(planes_[k]);
       const Vec3 n = (frame.col(2) + bounded(0.3 * x[at + 1], 0.8) * frame.col(0) +
                       bounded(0.3 * x[at + 2], 0.8) * frame.col(1))
                          .normalized();

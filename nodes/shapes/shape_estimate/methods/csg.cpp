@@ -15,7 +15,10 @@ constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0
 
 Polygon fitted(const Outline& o, double width, double height, bool swap) {
   Vec2 low = o.points[0], high = low;
-  for (const auto& p : o.points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const auto& p : o.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   const Vec2 scale = Vec2(width, height).cwiseQuotient(high - low);
   Polygon out;
   for (const auto& p : o.points) {
@@ -46,7 +49,10 @@ std::array<Polygon, 3> silhouettes_of(std::vector<Outline> profiles, int order) 
       const std::array<Polygon, 3> p{fitted(c0, a, b, false), fitted(mirrored(c1, m1), b, c, false),
                                      fitted(mirrored(c2, m2), a, c, true)};
       const double lost = silhouette_deviation(p);
-      if (lost < least) least = lost, best = p;
+      if (lost < least) {
+        least = lost;
+        best = p;
+      }
       if (least < 1e-3) return best;
     }
   return best;
@@ -56,7 +62,7 @@ double silhouette_deviation(const std::array<Polygon, 3>& p) {
   // Depths at which a line at constant value of one coordinate enters and leaves polygon `k`.
   const auto spans = [&](int k, bool first, double w) {
     std::vector<double> at;
-    const Polygon& q = p[static_cast<std::size_t>(k)];
+    const Polygon& q = p[k];
     for (std::size_t i = 0; i < q.size(); ++i) {
       const Vec2 &a = q[i], &b = q[(i + 1) % q.size()];
       const double wa = first ? a.x() : a.y(), wb = first ? b.x() : b.y();
@@ -68,7 +74,7 @@ double silhouette_deviation(const std::array<Polygon, 3>& p) {
   };
   double worst = 0;
   for (int k = 0; k < 3; ++k) {
-    const Polygon& own = p[static_cast<std::size_t>(k)];
+    const Polygon& own = p[k];
     double diameter = 0;
     for (const auto& a : own)
       for (const auto& b : own) diameter = std::max(diameter, (a - b).squaredNorm());
@@ -106,7 +112,10 @@ Estimate csg(const EstimateRequest& request, const Work& work) {
   const double tolerance[] = {2e-2, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4};
   for (auto& p : polygons) {
     Vec2 low = p[0], high = p[0];
-    for (const auto& q : p) low = low.cwiseMin(q), high = high.cwiseMax(q);
+    for (const auto& q : p) {
+      low = low.cwiseMin(q);
+      high = high.cwiseMax(q);
+    }
     p = simplified(p, tolerance[std::clamp(request.subdivision, -1, 4) + 1] * (high - low).maxCoeff());
   }
   out.mesh = intersect_extrusions(polygons, work);

@@ -46,8 +46,8 @@ class Solid {
   }
 
  private:
-  int size(int k) const { return static_cast<int>(polygons_[k].size()); }
-  const Vec2& point(int k, int i) const { return polygons_[k][static_cast<std::size_t>(i % size(k))]; }
+  int size(int k) const { return polygons_[k].size(); }
+  const Vec2& point(int k, int i) const { return polygons_[k][i % size(k)]; }
 
   // The face over edge e of polygon k. Its coordinates are the length along the edge and the height along
   // axis k + 2. Polygon k + 1 holds (x_k+1, height), polygon k + 2 (height, x_k).
@@ -57,7 +57,9 @@ class Solid {
     const int k1 = (k + 1) % 3, k2 = (k + 2) % 3, next = (e + 1) % size(k);
     const auto made = [&](int own, int one, int two) {
       Made m;
-      m[k] = own, m[k1] = one, m[k2] = two;
+      m[k] = own;
+      m[k1] = one;
+      m[k2] = two;
       return m;
     };
     const auto inside1 = [&](const Vec2& p) {
@@ -143,7 +145,8 @@ class Solid {
         if ((wp > w) == (wq > w)) continue;
         const double hp = first ? p.y() : p.x(), hq = first ? q.y() : q.x();
         Made m{kNone, kNone, kNone};
-        m[k] = -1 - corner, m[other] = f;
+        m[k] = -1 - corner;
+        m[other] = f;
         cuts.emplace_back(hp + (w - wp) / (wq - wp) * (hq - hp), m);
       }
     std::sort(cuts.begin(), cuts.end());
@@ -168,14 +171,15 @@ class Solid {
     for (std::size_t start = 0; start < pieces_.size(); ++start) {
       if (used[start]) continue;
       std::vector<Corner> loop;
-      int piece = static_cast<int>(start), end = 0;
-      while (!used[static_cast<std::size_t>(piece)]) {
-        used[static_cast<std::size_t>(piece)] = 1;
-        const Piece& p = pieces_[static_cast<std::size_t>(piece)];
+      int piece = start, end = 0;
+      while (!used[piece]) {
+        used[piece] = 1;
+        const Piece& p = pieces_[piece];
         loop.push_back(end == 0 ? p.a : p.b);
         const auto& ends = at[(end == 0 ? p.b : p.a).made];
         const auto other = ends[0] == std::pair(piece, 1 - end) ? ends[1] : ends[0];
-        piece = other.first, end = other.second;
+        piece = other.first;
+        end = other.second;
       }
       if (loop.size() < 3) return false;
       fill(k, e, length, std::move(loop));
@@ -188,7 +192,9 @@ class Solid {
     if (fresh) {
       const Vec2 p = point(k, e) + c.at.x() / length * (point(k, e + 1) - point(k, e));
       Vec3 v;
-      v[k] = p.x(), v[(k + 1) % 3] = p.y(), v[(k + 2) % 3] = c.at.y();
+      v[k] = p.x();
+      v[(k + 1) % 3] = p.y();
+      v[(k + 2) % 3] = c.at.y();
       mesh_.vertices.push_back(v);
     }
     return it->second;
@@ -211,7 +217,10 @@ class Solid {
       for (std::size_t i = 0; i < n; ++i) {
         const Vec2 a = loop[left[(i + n - 1) % n]].at, b = loop[left[i]].at, c = loop[left[(i + 1) % n]].at;
         const double twice = cross(b - a, c - b);
-        if (twice > flattest) flattest = twice, any = i;
+        if (twice > flattest) {
+          flattest = twice;
+          any = i;
+        }
         if (twice <= 0) continue;
         bool empty = true;
         for (std::size_t j = 0; empty && j < n; ++j) {
@@ -222,7 +231,10 @@ class Solid {
         if (!empty) continue;
         // The cosine at the ear's tip.
         const double cosine = (a - b).dot(c - b) / ((a - b).norm() * (c - b).norm());
-        if (cosine > least) least = cosine, best = i;
+        if (cosine > least) {
+          least = cosine;
+          best = i;
+        }
       }
       if (best == n) best = any;  // only rounding can cause this: any triangle keeps the mesh closed
       mesh_.triangles.push_back(
@@ -255,7 +267,7 @@ Mesh largest_piece(const Mesh& mesh) {
     Triangle moved{};
     for (int k = 0; k < 3; ++k) {
       if (number[t[k]] < 0) {
-        number[t[k]] = static_cast<std::int32_t>(out.vertices.size());
+        number[t[k]] = out.vertices.size();
         out.vertices.push_back(mesh.vertices[t[k]]);
       }
       moved[k] = number[t[k]];
@@ -274,7 +286,10 @@ void simplify(const Polygon& p, std::size_t from, std::size_t to, double distanc
   for (std::size_t i = from + 1; i < to; ++i) {
     const double t = std::clamp((at(i) - at(from)).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
     const double away = (at(i) - at(from) - t * d).norm();
-    if (away > most) most = away, farthest = i;
+    if (away > most) {
+      most = away;
+      farthest = i;
+    }
   }
   if (most <= distance) return;
   keep[farthest % p.size()] = 1;

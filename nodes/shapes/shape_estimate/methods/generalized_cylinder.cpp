@@ -27,7 +27,10 @@ Halves right_half(const Outline& o) {
   double widest = 0;
   std::size_t at = 0;
   for (std::size_t i = 0; i < half.points.size(); ++i)
-    if (half.points[i].x() > widest) widest = half.points[i].x(), at = i;
+    if (half.points[i].x() > widest) {
+      widest = half.points[i].x();
+      at = i;
+    }
   if (!(widest > 0) || at == 0 || at + 1 == half.points.size())
     throw Error("flat-profile", "profile " + std::to_string(o.id) + " has no area on one side of its axis",
                 "choose another profile");
@@ -37,7 +40,7 @@ Halves right_half(const Outline& o) {
   const double base = half.points[at].y();
   for (auto& p : half.points) p.y() -= base;
   Halves h;
-  const auto middle = static_cast<std::ptrdiff_t>(at);
+  const std::ptrdiff_t middle = at;
   h.lower.points.assign(half.points.begin(), half.points.begin() + middle + 1);
   h.lower.corner.assign(half.corner.begin(), half.corner.begin() + middle + 1);
   h.upper.points.assign(half.points.begin() + middle, half.points.end());
@@ -62,8 +65,10 @@ Placement placed(const Outline& o, const std::vector<double>& radius) {
   out.sweep = right_half(o);
   const double own = out.sweep.upper.points.back().x();
   for (std::size_t j = 0; j < radius.size(); ++j)
-    if (std::abs(std::log(radius[j] / own)) < std::abs(std::log(out.scale)) - kTie)
-      out.at = j, out.scale = radius[j] / own;
+    if (std::abs(std::log(radius[j] / own)) < std::abs(std::log(out.scale)) - kTie) {
+      out.at = j;
+      out.scale = radius[j] / own;
+    }
   return out;
 }
 

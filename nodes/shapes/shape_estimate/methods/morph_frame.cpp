@@ -47,8 +47,7 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
 
   MorphFrame frame;
   std::vector<double> angles;
-  for (std::size_t j = 0; j < sectors; ++j)
-    angles.push_back(static_cast<double>(j) * pi / static_cast<double>(morphs));
+  for (std::size_t j = 0; j < sectors; ++j) angles.push_back(j * pi / morphs);
   frame.base = cut(profiles[0], cut_center(profiles[0], angles), angles);
   for (const auto& arc : frame.base) frame.radius.push_back(arc.points.front().norm());
 
@@ -73,8 +72,8 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     quarters[k] = quarters_of(standing[k]);
     r = reach_of(quarters[k]);
     const double own = std::sqrt(frame.radius[k] * frame.radius[k + morphs] / (r.right * r.left));
-    log_top += std::log(own * r.top) / static_cast<double>(morphs);
-    log_bottom += std::log(own * r.bottom) / static_cast<double>(morphs);
+    log_top += std::log(own * r.top) / morphs;
+    log_bottom += std::log(own * r.bottom) / morphs;
   }
   const double top = std::exp(log_top), bottom = std::exp(log_bottom);
 
@@ -94,8 +93,10 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     q[2].scale(-left, down), q[2].reverse();
     q[3].scale(right, down);
     for (auto& arc : q) arc.parametrize();
-    frame.upper[k] = q[0], frame.upper[k + morphs] = q[1];
-    frame.lower[k] = q[3], frame.lower[k + morphs] = q[2];
+    frame.upper[k] = q[0];
+    frame.upper[k + morphs] = q[1];
+    frame.lower[k] = q[3];
+    frame.lower[k + morphs] = q[2];
   }
   return frame;
 }

@@ -79,7 +79,7 @@ Side side_of(const MorphFrame& frame, const std::vector<Arc>& arcs, const Column
 }
 
 ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& columns, int rows) {
-  const int n = static_cast<int>(columns.t.size()), rings = 2 * rows - 1;
+  const int n = columns.t.size(), rings = 2 * rows - 1;
   ControlMesh mesh;
   mesh.vertices.push_back(upper.points[0][0]);
   const auto ring = [&](int i) -> const std::vector<Vec3>& {
@@ -89,7 +89,7 @@ ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& co
     return i < rows ? upper.row_crease[i + 1] : lower.row_crease[2 * rows - 1 - i];
   };
   for (int i = 0; i < rings; ++i) mesh.vertices.insert(mesh.vertices.end(), ring(i).begin(), ring(i).end());
-  const int south = static_cast<int>(mesh.vertices.size());
+  const int south = mesh.vertices.size();
   mesh.vertices.push_back(lower.points[0][0]);
   const auto at = [&](int i, int c) { return 1 + i * n + (c % n); };
   const auto crease = [&](int a, int b, double s) {
@@ -117,7 +117,7 @@ ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& co
 constexpr double kDeviation = 0.008;
 
 Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& work) {
-  const int sectors = static_cast<int>(frame.base.size());
+  const int sectors = frame.base.size();
   const Columns columns = columns_of(frame, std::max(2, (4 * control + sectors / 2) / sectors));
   const Side upper = side_of(frame, frame.upper, columns, control),
              lower = side_of(frame, frame.lower, columns, control);

@@ -63,7 +63,7 @@ std::vector<double> radii(const Outline& o, const Vec2& center) {
 ProfileSpectrum profile_spectrum(const std::vector<Outline>& profiles, int terms) {
   ProfileSpectrum out;
   out.variance.assign(static_cast<std::size_t>(terms) + 1, 0);
-  const auto count = static_cast<double>(profiles.size());
+  const double count = profiles.size();
   for (const Outline& o : profiles) {
     auto r = radii(o, cut_center(o, {0, pi / 2, pi, 3 * pi / 2}));
     double mean = 0;
@@ -75,7 +75,8 @@ ProfileSpectrum profile_spectrum(const std::vector<Outline>& profiles, int terms
         c += r[i] / mean * std::cos(2 * pi * m * i / kRays);
         s += r[i] / mean * std::sin(2 * pi * m * i / kRays);
       }
-      c *= 2 * pi / kRays / std::sqrt(pi), s *= 2 * pi / kRays / std::sqrt(pi);
+      c *= 2 * pi / kRays / std::sqrt(pi);
+      s *= 2 * pi / kRays / std::sqrt(pi);
       out.variance[m] += (s * s + c * c) / (2 * count);
     }
   }
@@ -133,7 +134,10 @@ std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
       for (std::size_t k = 0; k < set.size(); ++k) x[set[k]] += step * (y[static_cast<int>(k)] - x[set[k]]);
       if (step >= 1) break;
       for (const int k : set)
-        if (x[k] <= 1e-14) x[k] = 0, free[k] = 0;
+        if (x[k] <= 1e-14) {
+          x[k] = 0;
+          free[k] = 0;
+        }
     }
   }
   for (int k = 0; k < n; ++k) lambda[k + 2] = std::max(0.0, x[k]);

@@ -12,14 +12,15 @@ namespace {
 std::vector<NeighborField> families_in(const TorusBox& box, const BlockRegion& region) {
   std::vector<NeighborField> out;
   for (const NeighborField& f : region.families) {
-    const auto axis = static_cast<std::size_t>(f.axis);
+    const std::size_t axis = f.axis;
     const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-    const TorusLine &u = region.lines[static_cast<std::size_t>(ua)],
-                    &v = region.lines[static_cast<std::size_t>(va)];
+    const TorusLine &u = region.lines[ua], &v = region.lines[va];
     const int i = first_patch(box.lo[ua], u.period) - u.first,
               j = first_patch(box.lo[va], v.period) - v.first;
     NeighborField part;
-    part.axis = f.axis, part.exemplar = f.exemplar, part.slices = box.hi[f.axis] - box.lo[f.axis];
+    part.axis = f.axis;
+    part.exemplar = f.exemplar;
+    part.slices = box.hi[f.axis] - box.lo[f.axis];
     part.columns = first_patch(box.hi[ua], u.period) - u.first - i;
     part.rows = first_patch(box.hi[va], v.period) - v.first - j;
     for (int s = 0; s < part.slices; ++s)
@@ -60,8 +61,9 @@ TorusBox block_box(const SolidSettings& s) {
                  s.block / s.blocks.x() / s.blocks.y());
   TorusBox box;
   for (int a = 0; a < 3; ++a) {
-    box.lo[a] = at[a] * s.size[a] / s.blocks[a], box.hi[a] = (at[a] + 1) * s.size[a] / s.blocks[a];
-    box.closed[static_cast<std::size_t>(a)] = s.blocks[a] == 1;
+    box.lo[a] = at[a] * s.size[a] / s.blocks[a];
+    box.hi[a] = (at[a] + 1) * s.size[a] / s.blocks[a];
+    box.closed[a] = s.blocks[a] == 1;
   }
   return box;
 }
@@ -77,7 +79,8 @@ void find_similar_above(const WholeLevel& whole, std::vector<Pyramid>& pyramids,
 // Crops the result to the block that the settings name, and measures its matches.
 void hand_over(BlockRegion&& region, const SolidSettings& s, SolidResult& out) {
   const TorusBox box = block_box(s);
-  out.size = box.size(), out.origin = box.lo;
+  out.size = box.size();
+  out.origin = box.lo;
   out.measures = measure_copies(families_in(box, region));
   region.families.clear();
   out.field = {out.size, {}};

@@ -16,12 +16,11 @@ struct Strides {
   Vec3i from;
   explicit Strides(const BlockRegion& r)
       : step{1, static_cast<std::size_t>(r.field.size.x()),
-             static_cast<std::size_t>(r.field.size.x()) * static_cast<std::size_t>(r.field.size.y())},
+             static_cast<std::size_t>(r.field.size.x()) * r.field.size.y()},
         from(r.lines[0].from, r.lines[1].from, r.lines[2].from) {}
   std::size_t of(const Vec3i& at) const {
     std::size_t i = 0;
-    for (int a = 0; a < 3; ++a)
-      i += static_cast<std::size_t>(at[a] - from[a]) * step[static_cast<std::size_t>(a)];
+    for (int a = 0; a < 3; ++a) i += (at[a] - from[a]) * step[a];
     return i;
   }
 };
@@ -30,17 +29,18 @@ struct Strides {
 void split_slice(const BlockRegion& region, int channel, int axis, int slice, const TorusBox& box,
                  FinestBands& bands) {
   const Strides strides(region);
-  const int u = kSliceColumns[static_cast<std::size_t>(axis)], v = kSliceRows[static_cast<std::size_t>(axis)];
+  const int u = kSliceColumns[axis], v = kSliceRows[axis];
   const int w = box.hi[u] - box.lo[u] + 2 * kFinishReach, h = box.hi[v] - box.lo[v] + 2 * kFinishReach;
-  bands.picture.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  bands.picture.resize(static_cast<std::size_t>(w) * h);
   Vec3i at;
-  at[axis] = slice, at[u] = box.lo[u] - kFinishReach, at[v] = box.lo[v] - kFinishReach;
-  const float* first = &region.field.channel[static_cast<std::size_t>(channel)][strides.of(at)];
+  at[axis] = slice;
+  at[u] = box.lo[u] - kFinishReach;
+  at[v] = box.lo[v] - kFinishReach;
+  const float* first = &region.field.channel[channel][strides.of(at)];
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
-      bands.picture[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] =
-          first[static_cast<std::size_t>(y) * strides.step[static_cast<std::size_t>(v)] +
-                static_cast<std::size_t>(x) * strides.step[static_cast<std::size_t>(u)]];
+      bands.picture[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x] =
+          first[y * strides.step[v] + x * strides.step[u]];
   bands.split(w, h);
 }
 
@@ -49,12 +49,12 @@ void split_slice(const BlockRegion& region, int channel, int axis, int slice, co
 void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
                   int channel, const TorusBox& box, const TorusBox* measured, FinishMaps& maps,
                   BlockRegion& region, const Work& work) {
-  const auto c = static_cast<std::size_t>(channel);
+  const std::size_t c = channel;
   if (measured) {
     maps.bands.clear();
     for (const NeighborField& f : region.families) {
       const Vec3i extent = measured->size();
-      const auto slices = static_cast<std::size_t>(extent[f.axis]);
+      const std::size_t slices = extent[f.axis];
       const std::size_t each = voxels(extent) / slices;
       std::array<std::vector<float>, kFinishBands> seen;
       for (auto& values : seen) values.resize(each * slices);
@@ -69,8 +69,7 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
       });
       std::array<std::optional<ValueMap>, kFinishBands> fixed;
       work.parallel(kFinishBands, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b)
-          fixed[b].emplace(seen[b], wanted[static_cast<std::size_t>(f.exemplar)][c][b]);
+        for (std::size_t b = begin; b < end; ++b) fixed[b].emplace(seen[b], wanted[f.exemplar][c][b]);
       });
       maps.bands.emplace_back();
       for (const auto& m : fixed) maps.bands.back().push_back(*m);
@@ -81,31 +80,27 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
   std::vector<float> sum = region.field.channel[c];
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     const int axis = region.families[k].axis;
-    const int u = kSliceColumns[static_cast<std::size_t>(axis)],
-              v = kSliceRows[static_cast<std::size_t>(axis)];
-    work.parallel(static_cast<std::size_t>(box.hi[axis] - box.lo[axis]), 4,
-                  [&](std::size_t begin, std::size_t end) {
-                    FinestBands bands;
-                    std::vector<float> mapped;
-                    for (std::size_t i = begin; i < end; ++i) {
-                      const int slice = box.lo[axis] + static_cast<int>(i);
-                      split_slice(region, channel, axis, slice, box, bands);
-                      Vec3i at = box.lo;
-                      at[axis] = slice;
-                      float* first = &sum[strides.of(at)];
-                      const int w = box.hi[u] - box.lo[u], h = box.hi[v] - box.lo[v];
-                      for (std::size_t b = 0; b < kFinishBands; ++b) {
-                        mapped = bands.band[b];
-                        maps.bands[k][b].apply(mapped.data(), mapped.size());
-                        std::size_t n = 0;
-                        for (int y = 0; y < h; ++y)
-                          for (int x = 0; x < w; ++x, ++n)
-                            first[static_cast<std::size_t>(y) * strides.step[static_cast<std::size_t>(v)] +
-                                  static_cast<std::size_t>(x) * strides.step[static_cast<std::size_t>(u)]] +=
-                                share * (mapped[n] - bands.band[b][n]);
-                      }
-                    }
-                  });
+    const int u = kSliceColumns[axis], v = kSliceRows[axis];
+    work.parallel(box.hi[axis] - box.lo[axis], 4, [&](std::size_t begin, std::size_t end) {
+      FinestBands bands;
+      std::vector<float> mapped;
+      for (std::size_t i = begin; i < end; ++i) {
+        const int slice = box.lo[axis] + static_cast<int>(i);
+        split_slice(region, channel, axis, slice, box, bands);
+        Vec3i at = box.lo;
+        at[axis] = slice;
+        float* first = &sum[strides.of(at)];
+        const int w = box.hi[u] - box.lo[u], h = box.hi[v] - box.lo[v];
+        for (std::size_t b = 0; b < kFinishBands; ++b) {
+          mapped = bands.band[b];
+          maps.bands[k][b].apply(mapped.data(), mapped.size());
+          std::size_t n = 0;
+          for (int y = 0; y < h; ++y)
+            for (int x = 0; x < w; ++x, ++n)
+              first[y * strides.step[v] + x * strides.step[u]] += share * (mapped[n] - bands.band[b][n]);
+        }
+      }
+    });
   }
   region.field.channel[c].swap(sum);
   if (measured) {

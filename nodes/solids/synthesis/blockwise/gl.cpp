@@ -170,9 +170,9 @@ struct ExemplarBuffers {
     features.fill(e.features);
     similar.fill(e.similar);
     std::vector<float> m(e.space.basis.begin(), e.space.basis.end());
-    bias_at = static_cast<int>(m.size());
+    bias_at = m.size();
     for (const float b : e.space.bias) m.push_back(-b);
-    penalty_at = static_cast<int>(m.size());
+    penalty_at = m.size();
     for (std::size_t i = 0; i < penalty.size(); ++i) m.push_back(e.usable[i] ? penalty[i] : 0.0f);
     model.fill(m);
   }
@@ -220,7 +220,8 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
   std::size_t all = 0, most = 0;
   for (const NeighborField& f : region.families) {
     first_match.push_back(all);
-    all += f.at.size(), most = std::max(most, f.at.size());
+    all += f.at.size();
+    most = std::max(most, f.at.size());
   }
   matches.resize(all * sizeof(std::uint32_t)), weight.resize(all * sizeof(float));
   next.resize(most * sizeof(std::uint32_t));
@@ -248,21 +249,22 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
     gl.set("size", stored), gl.set("window", passes.windows[i]);
     for (std::size_t k = 0; k < region.families.size(); ++k) {
       const NeighborField& f = region.families[k];
-      const auto axis = static_cast<std::size_t>(f.axis);
+      const std::size_t axis = f.axis;
       const auto put = [&](const char* name, int v) { gl.set(fmt::format("{}[{}]", name, k), v); };
       put("axis_u", kSliceColumns[axis]), put("axis_v", kSliceRows[axis]), put("axis_s", f.axis);
       put("first_match", static_cast<int>(first_match[k]));
       put("columns", f.columns), put("rows", f.rows);
-      put("first_texel", first_texel[static_cast<std::size_t>(f.exemplar)]);
-      put("exemplar_width", passes.exemplars[static_cast<std::size_t>(f.exemplar)]->width);
+      put("first_texel", first_texel[f.exemplar]);
+      put("exemplar_width", passes.exemplars[f.exemplar]->width);
     }
     Vec3i first, last;
     for (std::size_t a = 0; a < 3; ++a) {
-      const auto k = static_cast<Eigen::Index>(a);
+      const Eigen::Index k = a;
       gl.set(fmt::format("starts_at[{}]", a), tables.starts[a]);
       gl.set(fmt::format("covers_at[{}]", a), tables.covers[a]);
       gl.set(fmt::format("from[{}]", a), lines[a].from);
-      first[k] = box.lo[k] - lines[a].from, last[k] = box.hi[k] - lines[a].from;
+      first[k] = box.lo[k] - lines[a].from;
+      last[k] = box.hi[k] - lines[a].from;
     }
     gl.dispatch(first, last, step);
     if (probe) {
@@ -290,10 +292,9 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
   const auto search = [&](std::size_t i, std::size_t k, const Work& step) {
     const TorusBox& box = passes.plan.blend[i + 1];
     const NeighborField& f = region.families[k];
-    const auto of = static_cast<std::size_t>(f.exemplar), axis = static_cast<std::size_t>(f.axis);
+    const std::size_t of = f.exemplar, axis = f.axis;
     const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-    const TorusLine &u = lines[static_cast<std::size_t>(ua)], &v = lines[static_cast<std::size_t>(va)],
-                    &s = lines[axis];
+    const TorusLine &u = lines[ua], &v = lines[va], &s = lines[axis];
     const ExemplarLevel& e = *passes.exemplars[of];
     const std::size_t bytes = f.at.size() * sizeof(std::uint32_t),
                       at = first_match[k] * sizeof(std::uint32_t);
@@ -308,8 +309,7 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
     gl.set("columns", f.columns), gl.set("rows", f.rows), gl.set("voxels", static_cast<int>(voxels));
     const Vec3i steps(1, stored.x(), stored.x() * stored.y());
     gl.set("stride", Vec3i(steps[ua], steps[va], steps[f.axis]));
-    gl.Uniform2i(gl.at("starts_at"), tables.starts[static_cast<std::size_t>(ua)],
-                 tables.starts[static_cast<std::size_t>(va)]);
+    gl.Uniform2i(gl.at("starts_at"), tables.starts[ua], tables.starts[va]);
     gl.Uniform2i(gl.at("from"), u.from, v.from);
     const Vec3i around(patches_around(u.period), patches_around(v.period), s.period);
     gl.set("number",
@@ -329,10 +329,9 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
   const auto weigh = [&](std::size_t i, std::size_t k) {
     const TorusBox& box = passes.plan.blend[i + 1];
     const NeighborField& f = region.families[k];
-    const auto axis = static_cast<std::size_t>(f.axis);
+    const std::size_t axis = f.axis;
     const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-    const auto columns = lines[static_cast<std::size_t>(ua)].patches_over(box, ua),
-               rows = lines[static_cast<std::size_t>(va)].patches_over(box, va);
+    const auto columns = lines[ua].patches_over(box, ua), rows = lines[va].patches_over(box, va);
     gl.use(gl.weigh);
     weight.bind(3), table.bind(7);
     gl.set("first_match", static_cast<int>(first_match[k]));
@@ -342,8 +341,7 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
         last(columns[1], rows[1], box.hi[f.axis] - lines[axis].from);
     gl.dispatch(first, last, work.quiet());
     const Vec3i size(f.columns, f.rows, f.slices),
-        from(tables.patches[static_cast<std::size_t>(ua)], tables.patches[static_cast<std::size_t>(va)],
-             tables.voxels[axis]);
+        from(tables.patches[ua], tables.patches[va], tables.voxels[axis]);
     copy_beyond(matches, first_match[k], size, from);
     copy_beyond(weight, first_match[k], size, from);
   };
@@ -351,14 +349,10 @@ void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, B
   const std::size_t rounds = passes.plan.blend.size() - 1;
   blend(0, work.part(0, 0.1));
   for (std::size_t i = 0; i < rounds; ++i) {
-    const auto share = [&](double x) {
-      return 0.1 + 0.9 * (static_cast<double>(i) + x) / static_cast<double>(rounds);
-    };
-    const double families = static_cast<double>(region.families.size());
+    const auto share = [&](double x) { return 0.1 + 0.9 * (i + x) / rounds; };
+    const double families = region.families.size();
     for (std::size_t k = 0; k < region.families.size(); ++k)
-      search(i, k,
-             work.part(share(0.6 * static_cast<double>(k) / families),
-                       share(0.6 * static_cast<double>(k + 1) / families)));
+      search(i, k, work.part(share(0.6 * k / families), share(0.6 * (k + 1) / families)));
     if (probe) {
       for (std::size_t k = 0; k < region.families.size(); ++k)
         weight.read(first_match[k] * sizeof(float), region.families[k].weight);

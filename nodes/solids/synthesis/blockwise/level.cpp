@@ -13,8 +13,9 @@ TorusBox box_below(const TorusBox& part, const Vec3i& level, const Vec3i& below)
   TorusBox out;
   out.closed = part.closed;
   for (int a = 0; a < 3; ++a) {
-    if (part.closed[static_cast<std::size_t>(a)]) {
-      out.lo[a] = 0, out.hi[a] = below[a];
+    if (part.closed[a]) {
+      out.lo[a] = 0;
+      out.hi[a] = below[a];
       continue;
     }
     const int first = patch_start(first_patch(part.lo[a] - kPatch + 1, level[a]), level[a]),
@@ -50,8 +51,7 @@ BlockLevels::BlockLevels(const std::vector<SolidExemplar>& working, const std::v
   for (int c = 0; c < channels_; ++c) {
     std::vector<const Quantiles*> planes;
     for (const int p : s.plane)
-      if (p >= 0)
-        planes.push_back(&pictures[static_cast<std::size_t>(p)].values[static_cast<std::size_t>(c)]);
+      if (p >= 0) planes.push_back(&pictures[p].values[c]);
     finished_.push_back(mixture(planes));
   }
 }
@@ -59,13 +59,13 @@ BlockLevels::BlockLevels(const std::vector<SolidExemplar>& working, const std::v
 Vec3i BlockLevels::size(int level) const { return box_at(settings_.size, level, levels_); }
 
 int BlockLevels::Below::patch(int axis, int number) const {
-  const TorusLine& l = lines[static_cast<std::size_t>(axis)];
+  const TorusLine& l = lines[axis];
   if (whole) return wrapped(number, patches_around(l.period));
   return (l.closed ? wrapped(number, patches_around(l.period)) : number) - l.first;
 }
 
 int BlockLevels::Below::slice(int axis, int voxel) const {
-  const TorusLine& l = lines[static_cast<std::size_t>(axis)];
+  const TorusLine& l = lines[axis];
   if (whole) return wrapped(voxel, l.period);
   return (l.closed ? wrapped(voxel, l.period) : voxel) - l.from;
 }
@@ -76,14 +76,16 @@ BlockLevels::Below BlockLevels::below(int level, const TorusBox& part, const Tor
   out.whole = level - 1 == whole_.level;
   if (out.whole) {
     TorusBox all;
-    all.hi = size(level - 1), all.closed = {true, true, true};
+    all.hi = size(level - 1);
+    all.closed = {true, true, true};
     out.lines = torus_lines(all, all.hi);
     return out;
   }
   TorusBox needed = box_below(part, size(level), size(level - 1));
   if (core) {
     const TorusBox there = core_below(level, *core);
-    needed.lo = needed.lo.cwiseMin(there.lo), needed.hi = needed.hi.cwiseMax(there.hi);
+    needed.lo = needed.lo.cwiseMin(there.lo);
+    needed.hi = needed.hi.cwiseMax(there.hi);
   }
   const LevelStatistics& s = statistics_[static_cast<std::size_t>(level) - 1];
   out.made = run(level - 1, needed, core ? Upto::Blend : Upto::Matches, s, nullptr, nullptr, nullptr, work);
@@ -97,7 +99,7 @@ void BlockLevels::carry(int level, const Below& below, BlockRegion& region, cons
   std::array<std::vector<std::array<int, 2>>, 3> slices;
   std::array<std::vector<int>, 3> number;
   for (int a = 0; a < 3; ++a) {
-    const auto k = static_cast<std::size_t>(a);
+    const std::size_t k = a;
     const TorusLine& l = region.lines[k];
     CarriedPatches& c = patches[k];
     c.around = patches_around(l.period);
@@ -106,8 +108,7 @@ void BlockLevels::carry(int level, const Below& below, BlockRegion& region, cons
       // On a closed axis copies use the same source as their originals.
       const int q = l.closed ? wrapped(l.first + i, c.around) : l.first + i;
       c.number.push_back(wrapped(q, c.around));
-      c.from.push_back(below.patch(
-          a, patch_below(patch_start(q, l.period), l.period, from[a], c.miss[static_cast<std::size_t>(i)])));
+      c.from.push_back(below.patch(a, patch_below(patch_start(q, l.period), l.period, from[a], c.miss[i])));
     }
     for (int v = l.from; v < l.to; ++v) {
       const int voxel = l.closed ? wrapped(v, l.period) : v;
@@ -118,20 +119,19 @@ void BlockLevels::carry(int level, const Below& below, BlockRegion& region, cons
   }
   const auto& families = below.whole ? whole_.families : below.made.families;
   for (const NeighborField& old : families) {
-    const auto axis = static_cast<std::size_t>(old.axis);
-    const Pyramid& p = pyramids_[static_cast<std::size_t>(old.exemplar)];
+    const std::size_t axis = old.axis;
+    const Pyramid& p = pyramids_[old.exemplar];
     region.families.push_back(block_family(region.lines, old.axis, old.exemplar));
-    carry_matches(old, patches[static_cast<std::size_t>(kSliceColumns[axis])],
-                  patches[static_cast<std::size_t>(kSliceRows[axis])], slices[axis], number[axis],
-                  p[static_cast<std::size_t>(level) - 1], p[static_cast<std::size_t>(level)], settings_.seed,
-                  region.families.back(), work);
+    carry_matches(old, patches[kSliceColumns[axis]], patches[kSliceRows[axis]], slices[axis], number[axis],
+                  p[static_cast<std::size_t>(level) - 1], p[level], settings_.seed, region.families.back(),
+                  work);
   }
 }
 
 BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const LevelStatistics& fixed,
                              LevelStatistics* measured, const TorusBox* core, BlendSources* sources,
                              const Work& work) const {
-  const int rounds = iterations_[static_cast<std::size_t>(level)];
+  const int rounds = iterations_[level];
   const int finish = upto == Upto::Finish ? settings_.finish : 0;
   const BlockPlan plan = block_plan(wanted, rounds, finish);
   BlockRegion region;
@@ -145,7 +145,7 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   const Work own = work.part(0.3, 1);
   const auto exemplars = level_of(pyramids_, level);
   for (int a = 0; a < 3; ++a) {
-    const TorusLine& l = region.lines[static_cast<std::size_t>(a)];
+    const TorusLine& l = region.lines[a];
     region.field.size[a] = l.to - l.from;
   }
   region.field.channel.assign(static_cast<std::size_t>(channels_),
@@ -163,7 +163,10 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   if (sources) {
     sources->texel.resize(voxels(region.field.size)), sources->exemplar.resize(voxels(region.field.size));
     bool any = false;
-    for (const auto& e : working_) features.push_back(&e.features), any |= !e.features.empty();
+    for (const auto& e : working_) {
+      features.push_back(&e.features);
+      any |= !e.features.empty();
+    }
     if (any) sources->features.assign(voxels(region.field.size), Vec3f::Zero());
   }
   const bool to_blend = upto != Upto::Matches;
@@ -178,14 +181,13 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
     run_passes(passes, to_blend, measuring, sources, features, region, own.part(0, 0.8));
   }
   if (finish == 0) return region;
-  if (core) measured->finish.resize(static_cast<std::size_t>(channels_));
+  if (core) measured->finish.resize(channels_);
   for (int c = 0; c < channels_; ++c)
     for (int r = 0; r < finish; ++r) {
-      FinishMaps maps =
-          core ? FinishMaps{} : known.finish[static_cast<std::size_t>(c)][static_cast<std::size_t>(r)];
-      finish_round(bands_, core ? targets.finished[static_cast<std::size_t>(c)] : Quantiles{}, c,
-                   plan.finish[static_cast<std::size_t>(r)], core, maps, region, work.quiet());
-      if (core) measured->finish[static_cast<std::size_t>(c)].push_back(std::move(maps));
+      FinishMaps maps = core ? FinishMaps{} : known.finish[c][r];
+      finish_round(bands_, core ? targets.finished[c] : Quantiles{}, c, plan.finish[r], core, maps, region,
+                   work.quiet());
+      if (core) measured->finish[c].push_back(std::move(maps));
       own.progress(0.8 + 0.2 * (c * finish + r + 1) / (channels_ * finish));
     }
   return region;

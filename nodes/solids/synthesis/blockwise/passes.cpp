@@ -13,9 +13,9 @@ namespace {
 // Visits the patches that start in a box, in its slices.
 template <class Use>
 void each_patch(const TorusLines& lines, const NeighborField& f, const TorusBox& box, Use&& use) {
-  const std::size_t axis = static_cast<std::size_t>(f.axis);
+  const std::size_t axis = f.axis;
   const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-  const TorusLine &u = lines[static_cast<std::size_t>(ua)], &v = lines[static_cast<std::size_t>(va)];
+  const TorusLine &u = lines[ua], &v = lines[va];
   const int i0 = first_patch(box.lo[ua], u.period) - u.first,
             i1 = first_patch(box.hi[ua], u.period) - u.first,
             j0 = first_patch(box.lo[va], v.period) - v.first,
@@ -26,28 +26,26 @@ void each_patch(const TorusLines& lines, const NeighborField& f, const TorusBox&
         use((static_cast<std::size_t>(s - lines[axis].from) * static_cast<std::size_t>(f.rows) +
              static_cast<std::size_t>(j)) *
                 static_cast<std::size_t>(f.columns) +
-            static_cast<std::size_t>(i));
+            i);
 }
 
 // Turns the squared distances of the patches over a box into weights.
 void weigh_box(const TorusLines& lines, const TorusBox& box, const WeightTable& table, float floor,
                NeighborField& f, const Work& work) {
-  const std::size_t axis = static_cast<std::size_t>(f.axis);
+  const std::size_t axis = f.axis;
   const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-  const auto columns = lines[static_cast<std::size_t>(ua)].patches_over(box, ua),
-             rows = lines[static_cast<std::size_t>(va)].patches_over(box, va);
+  const auto columns = lines[ua].patches_over(box, ua), rows = lines[va].patches_over(box, va);
   const float inverse = 1 / floor;
-  work.parallel(
-      static_cast<std::size_t>(box.hi[f.axis] - box.lo[f.axis]), 4, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t s = begin; s < end; ++s)
-          for (int j = rows[0]; j < rows[1]; ++j) {
-            float* w = &f.weight[((s + static_cast<std::size_t>(box.lo[f.axis] - lines[axis].from)) *
-                                      static_cast<std::size_t>(f.rows) +
-                                  static_cast<std::size_t>(j)) *
-                                 static_cast<std::size_t>(f.columns)];
-            for (int i = columns[0]; i < columns[1]; ++i) w[i] = table.of(w[i] * inverse);
-          }
-      });
+  work.parallel(box.hi[f.axis] - box.lo[f.axis], 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s)
+      for (int j = rows[0]; j < rows[1]; ++j) {
+        float* w = &f.weight[((s + static_cast<std::size_t>(box.lo[f.axis] - lines[axis].from)) *
+                                  static_cast<std::size_t>(f.rows) +
+                              static_cast<std::size_t>(j)) *
+                             f.columns];
+        for (int i = columns[0]; i < columns[1]; ++i) w[i] = table.of(w[i] * inverse);
+      }
+  });
 }
 
 }  // namespace
@@ -67,7 +65,7 @@ std::vector<float> values_in(const TorusBox& box, const BlockRegion& region, int
   for (int z = box.lo.z(); z < box.hi.z(); ++z)
     for (int y = box.lo.y(); y < box.hi.y(); ++y) {
       const auto row =
-          region.field.channel[static_cast<std::size_t>(channel)].begin() +
+          region.field.channel[channel].begin() +
           ((static_cast<std::ptrdiff_t>(z) - region.lines[2].from) * size.y() + y - region.lines[1].from) *
               size.x() -
           region.lines[0].from;
@@ -80,7 +78,7 @@ void measure_values(BlockProbe& probe, const BlockRegion& region, const Work& wo
   std::vector<std::optional<ValueMap>> fixed(region.field.channel.size());
   work.parallel(fixed.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
-      fixed[c].emplace(values_in(probe.box, region, static_cast<int>(c)), probe.values[c]);
+      fixed[c].emplace(values_in(probe.box, region, c), probe.values[c]);
   });
   auto& maps = probe.measured.values.emplace_back();
   for (const auto& m : fixed) maps.push_back(*m);
@@ -90,7 +88,10 @@ void measure_floors(BlockProbe& probe, const BlockRegion& region) {
   auto& floors = probe.measured.floor.emplace_back();
   for (const NeighborField& f : region.families) {
     double sum = 0, n = 0;
-    each_patch(region.lines, f, probe.box, [&](std::size_t p) { sum += f.weight[p], ++n; });
+    each_patch(region.lines, f, probe.box, [&](std::size_t p) {
+      sum += f.weight[p];
+      ++n;
+    });
     floors.push_back(static_cast<float>(std::max(sum / n, 1e-12)));
   }
 }
@@ -101,9 +102,10 @@ void blend_pass(const BlockPasses& passes, std::size_t blend, BlockProbe* probe,
   const TorusBox& box = passes.plan.blend[blend];
   BlendRange range;
   for (int a = 0; a < 3; ++a) {
-    const TorusLine& l = region.lines[static_cast<std::size_t>(a)];
-    range.covers[static_cast<std::size_t>(a)] = &l.cover;
-    range.lo[a] = box.lo[a] - l.from, range.hi[a] = box.hi[a] - l.from;
+    const TorusLine& l = region.lines[a];
+    range.covers[a] = &l.cover;
+    range.lo[a] = box.lo[a] - l.from;
+    range.hi[a] = box.hi[a] - l.from;
   }
   blend_patches(passes.exemplars, region.families, {passes.windows[blend]}, range, region.field, sources,
                 &features, work);
@@ -124,7 +126,7 @@ void run_passes(const BlockPasses& passes, bool to_blend, BlockProbe* probe, Ble
   blend_pass(passes, 0, probe, nullptr, features, region, work.part(0, 0.1));
   const int rounds = static_cast<int>(passes.plan.blend.size()) - 1;
   for (int i = 0; i < rounds; ++i) {
-    const auto k = static_cast<std::size_t>(i);
+    const std::size_t k = i;
     const Work step = work.part(0.1 + 0.9 * i / rounds, 0.1 + 0.9 * (i + 1) / rounds);
     const TorusBox& box = passes.plan.blend[k + 1];
     SearchSettings search = passes.search;

@@ -15,8 +15,7 @@ double rank_in(const Quantiles& q, float value) {
   if (above == q.at.begin()) return 0;
   if (above == q.at.end()) return 1;
   const float lo = *(above - 1), hi = *above;
-  return (static_cast<double>(above - q.at.begin()) - 1 + (value - lo) / (hi - lo)) /
-         static_cast<double>(q.at.size() - 1);
+  return (static_cast<double>(above - q.at.begin()) - 1 + (value - lo) / (hi - lo)) / (q.at.size() - 1);
 }
 
 // The target distribution of the values in the probe. On the level below, the probe's values (`here`) differ
@@ -28,10 +27,11 @@ Quantiles as_here(const Quantiles& wanted, const Quantiles& here, const Quantile
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < q.at.size(); ++i) {
     q.at[i] = wanted.of(rank_in(coarse, here.at[i]));
-    sum += q.at[i], squares += static_cast<double>(q.at[i]) * q.at[i];
+    sum += q.at[i];
+    squares += static_cast<double>(q.at[i]) * q.at[i];
   }
-  q.mean = sum / static_cast<double>(q.at.size());
-  q.deviation = std::sqrt(std::max(0.0, squares / static_cast<double>(q.at.size()) - q.mean * q.mean));
+  q.mean = sum / q.at.size();
+  q.deviation = std::sqrt(std::max(0.0, squares / q.at.size() - q.mean * q.mean));
   return q;
 }
 
@@ -44,8 +44,11 @@ std::vector<std::vector<float>> penalties_of(const std::vector<const ExemplarLev
     double all = 0;
     for (const auto& f : families)
       if (f.exemplar == static_cast<int>(e))
-        for (const auto at : f.at) ++count[at], ++all;
-    const double mean = std::max(all / static_cast<double>(exemplars[e]->starts.size()), 1e-9);
+        for (const auto at : f.at) {
+          ++count[at];
+          ++all;
+        }
+    const double mean = std::max(all / exemplars[e]->starts.size(), 1e-9);
     out.emplace_back();
     for (const double n : count)
       out.back().push_back(static_cast<float>(1 + overuse * std::max(0.0, n / mean - 1)));
@@ -64,8 +67,7 @@ std::vector<float> finer_penalties(const std::vector<float>& coarse, const Exemp
   for (const auto start : to.starts) {
     const int x = place(static_cast<int>(start) % to.width, to.width, from.width),
               y = place(static_cast<int>(start) / to.width, to.height, from.height);
-    out[start] = coarse[static_cast<std::size_t>(y) * static_cast<std::size_t>(from.width) +
-                        static_cast<std::size_t>(x)];
+    out[start] = coarse[static_cast<std::size_t>(y) * static_cast<std::size_t>(from.width) + x];
   }
   return out;
 }
@@ -75,7 +77,7 @@ std::vector<float> finer_penalties(const std::vector<float>& coarse, const Exemp
 TorusBox probe_box(const Vec3i& level, const BlockwiseLimits& limits) {
   TorusBox box;
   for (int a = 0; a < 3; ++a) {
-    box.closed[static_cast<std::size_t>(a)] = level[a] <= limits.closed;
+    box.closed[a] = level[a] <= limits.closed;
     box.hi[a] = level[a] <= limits.closed ? level[a] : limits.probe;
   }
   return box;
@@ -95,7 +97,7 @@ BlockLevels::Targets BlockLevels::targets_in(int level, const TorusBox& core, co
   const bool everywhere = core.closed == std::array{true, true, true};
   Targets out;
   for (int c = 0; c < channels_; ++c) {
-    const auto k = static_cast<std::size_t>(c);
+    const std::size_t k = c;
     std::vector<float> values;
     if (below.whole) {
       const auto& v = whole_.field.channel[k];
@@ -118,10 +120,9 @@ std::optional<BlockRegion> BlockLevels::measure(BlendSources* sources, const Wor
   const auto coarse = penalties_of(level_of(pyramids_, whole_.level), whole_.families, settings_.overuse);
   std::optional<BlockRegion> everywhere;
   for (int level = whole_.level + 1; level < levels_; ++level) {
-    LevelStatistics& s = statistics_[static_cast<std::size_t>(level)];
+    LevelStatistics& s = statistics_[level];
     for (std::size_t e = 0; e < pyramids_.size(); ++e)
-      s.penalty.push_back(finer_penalties(coarse[e], pyramids_[e][static_cast<std::size_t>(whole_.level)],
-                                          pyramids_[e][static_cast<std::size_t>(level)]));
+      s.penalty.push_back(finer_penalties(coarse[e], pyramids_[e][whole_.level], pyramids_[e][level]));
     const TorusBox core = probe_box(size(level), settings_.blockwise_limits);
     const double n = levels_ - 1 - whole_.level;
     const bool last = level + 1 == levels_, all = last && core.closed == std::array{true, true, true};

@@ -26,11 +26,10 @@ struct BlockTask {
 TERRAZZO_INLINE void search_body(const BlockTask& t) {
   const ExemplarLevel& e = t.e;
   const int dims = e.space.dims, columns = t.f.columns;
-  const std::size_t pitch =
-      static_cast<std::size_t>(t.u.to - t.u.from) * static_cast<std::size_t>(e.channels);
-  const std::size_t plane = static_cast<std::size_t>(columns) * static_cast<std::size_t>(t.f.rows);
+  const std::size_t pitch = static_cast<std::size_t>(t.u.to - t.u.from) * e.channels;
+  const std::size_t plane = static_cast<std::size_t>(columns) * t.f.rows;
   for (int j = t.rows[0]; j < t.rows[1]; ++j) {
-    const float* line = t.picture + static_cast<std::size_t>(t.v.start[j] - t.v.from) * pitch;
+    const float* line = t.picture + (t.v.start[j] - t.v.from) * pitch;
     // Where the period is odd, two patches start one voxel apart.
     for (int i = t.columns[0], end; i < t.columns[1]; i = end) {
       for (end = i + 1; end < t.columns[1] && t.u.start[end] == t.u.start[end - 1] + 2; ++end) {
@@ -41,15 +40,13 @@ TERRAZZO_INLINE void search_body(const BlockTask& t) {
     const std::uint32_t row =
         mix32(static_cast<std::uint32_t>(wrapped(t.v.first + j, patches_around(t.v.period))) ^ t.place);
     for (int i = t.columns[0]; i < t.columns[1]; ++i) {
-      const std::size_t n = static_cast<std::size_t>(t.slice) * plane +
-                            static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
-                            static_cast<std::size_t>(i);
+      const std::size_t n =
+          t.slice * plane + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + i;
       const std::uint32_t* at = &t.f.at[n];
       const int u = t.u.start[i], v = t.v.start[j];
-      const FourInts goes_on = {at[-1] + static_cast<std::uint32_t>(u - t.u.start[i - 1]),
-                                at[1] + static_cast<std::uint32_t>(u - t.u.start[i + 1]),
-                                at[-columns] + static_cast<std::uint32_t>((v - t.v.start[j - 1]) * e.width),
-                                at[columns] + static_cast<std::uint32_t>((v - t.v.start[j + 1]) * e.width)};
+      const FourInts goes_on = {at[-1] + (u - t.u.start[i - 1]), at[1] + (u - t.u.start[i + 1]),
+                                at[-columns] + ((v - t.v.start[j - 1]) * e.width),
+                                at[columns] + ((v - t.v.start[j + 1]) * e.width)};
       Best best(e, t.features + static_cast<std::ptrdiff_t>(i - t.columns[0]) * dims, t.penalties, goes_on,
                 *at);
       for (int r = 1; r <= kReach; ++r) {
@@ -77,15 +74,13 @@ void search_plain(const BlockTask& t) { search_body(t); }
 
 // Reads a slice of the stored voxels, channels interleaved.
 void read_stored(const SolidField& field, int axis, int slice, std::vector<float>& out) {
-  const int u = kSliceColumns[static_cast<std::size_t>(axis)], v = kSliceRows[static_cast<std::size_t>(axis)];
-  const std::size_t step[3] = {
-      1, static_cast<std::size_t>(field.size.x()),
-      static_cast<std::size_t>(field.size.x()) * static_cast<std::size_t>(field.size.y())};
-  const std::size_t channels = field.channel.size(), w = static_cast<std::size_t>(field.size[u]),
-                    h = static_cast<std::size_t>(field.size[v]);
+  const int u = kSliceColumns[axis], v = kSliceRows[axis];
+  const std::size_t step[3] = {1, static_cast<std::size_t>(field.size.x()),
+                               static_cast<std::size_t>(field.size.x()) * field.size.y()};
+  const std::size_t channels = field.channel.size(), w = field.size[u], h = field.size[v];
   out.resize(w * h * channels);
   for (std::size_t c = 0; c < channels; ++c) {
-    const float* from = field.channel[c].data() + static_cast<std::size_t>(slice) * step[axis];
+    const float* from = field.channel[c].data() + slice * step[axis];
     for (std::size_t y = 0; y < h; ++y)
       for (std::size_t x = 0; x < w; ++x) out[(y * w + x) * channels + c] = from[y * step[v] + x * step[u]];
   }
@@ -94,21 +89,22 @@ void read_stored(const SolidField& field, int axis, int slice, std::vector<float
 }  // namespace
 
 std::uint32_t search_key(std::uint64_t seed, int iteration, int axis) {
-  return static_cast<std::uint32_t>(
-      Random(seed, 0x5000 + static_cast<std::uint64_t>(iteration) * 3 + static_cast<std::uint64_t>(axis))
-          .bits());
+  return Random(seed, 0x5000 + static_cast<std::uint64_t>(iteration) * 3 + static_cast<std::uint64_t>(axis))
+      .bits();
 }
 
 NeighborField block_family(const TorusLines& lines, int axis, int exemplar) {
   NeighborField f;
-  const TorusLine &u = lines[static_cast<std::size_t>(kSliceColumns[static_cast<std::size_t>(axis)])],
-                  &v = lines[static_cast<std::size_t>(kSliceRows[static_cast<std::size_t>(axis)])],
-                  &s = lines[static_cast<std::size_t>(axis)];
-  f.axis = axis, f.exemplar = exemplar;
-  f.slices = s.to - s.from, f.columns = u.patches(), f.rows = v.patches();
-  f.width = u.to - u.from, f.height = v.to - v.from;
-  f.at.resize(static_cast<std::size_t>(f.slices) * static_cast<std::size_t>(f.columns) *
-              static_cast<std::size_t>(f.rows));
+  const TorusLine &u = lines[kSliceColumns[static_cast<std::size_t>(axis)]],
+                  &v = lines[kSliceRows[static_cast<std::size_t>(axis)]], &s = lines[axis];
+  f.axis = axis;
+  f.exemplar = exemplar;
+  f.slices = s.to - s.from;
+  f.columns = u.patches();
+  f.rows = v.patches();
+  f.width = u.to - u.from;
+  f.height = v.to - v.from;
+  f.at.resize(static_cast<std::size_t>(f.slices) * static_cast<std::size_t>(f.columns) * f.rows);
   f.weight.assign(f.at.size(), 1.0f);
   return f;
 }
@@ -119,39 +115,38 @@ void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
   static const bool avx2 = has_avx2();
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     NeighborField& f = region.families[k];
-    const std::size_t axis = static_cast<std::size_t>(f.axis), of = static_cast<std::size_t>(f.exemplar);
-    const TorusLine &u = region.lines[static_cast<std::size_t>(kSliceColumns[axis])],
-                    &v = region.lines[static_cast<std::size_t>(kSliceRows[axis])], &s = region.lines[axis];
+    const std::size_t axis = f.axis, of = f.exemplar;
+    const TorusLine &u = region.lines[kSliceColumns[axis]], &v = region.lines[kSliceRows[axis]],
+                    &s = region.lines[axis];
     const ExemplarLevel& e = *exemplars[of];
     const auto columns = u.patches_over(box, kSliceColumns[axis]),
                rows = v.patches_over(box, kSliceRows[axis]);
     const std::uint32_t key = search_key(settings.seed, settings.iteration, f.axis);
     std::vector<std::uint32_t> next = f.at;
-    work.part(static_cast<double>(k) / static_cast<double>(region.families.size()),
-              (static_cast<double>(k) + 1) / static_cast<double>(region.families.size()))
-        .parallel(static_cast<std::size_t>(box.hi[f.axis] - box.lo[f.axis]), 1,
-                  [&](std::size_t begin, std::size_t end) {
-                    std::vector<float> picture, features(static_cast<std::size_t>(columns[1] - columns[0]) *
-                                                         static_cast<std::size_t>(e.space.dims));
-                    for (std::size_t i = begin; i < end; ++i) {
-                      const int slice = box.lo[f.axis] + static_cast<int>(i);
-                      read_stored(region.field, f.axis, slice - s.from, picture);
-                      const BlockTask task{e,
-                                           f,
-                                           u,
-                                           v,
-                                           columns,
-                                           rows,
-                                           slice - s.from,
-                                           mix32(static_cast<std::uint32_t>(wrapped(slice, s.period)) ^ key),
-                                           {penalty[of].data(), settings.copying},
-                                           picture.data(),
-                                           next.data(),
-                                           f.weight.data(),
-                                           features.data()};
-                      avx2 ? search_avx2(task) : search_plain(task);
-                    }
-                  });
+    work.part(static_cast<double>(k) / region.families.size(),
+              (static_cast<double>(k) + 1) / region.families.size())
+        .parallel(box.hi[f.axis] - box.lo[f.axis], 1, [&](std::size_t begin, std::size_t end) {
+          std::vector<float> picture,
+              features(static_cast<std::size_t>(columns[1] - columns[0]) * e.space.dims);
+          for (std::size_t i = begin; i < end; ++i) {
+            const int slice = box.lo[f.axis] + static_cast<int>(i);
+            read_stored(region.field, f.axis, slice - s.from, picture);
+            const BlockTask task{e,
+                                 f,
+                                 u,
+                                 v,
+                                 columns,
+                                 rows,
+                                 slice - s.from,
+                                 mix32(static_cast<std::uint32_t>(wrapped(slice, s.period)) ^ key),
+                                 {penalty[of].data(), settings.copying},
+                                 picture.data(),
+                                 next.data(),
+                                 f.weight.data(),
+                                 features.data()};
+            avx2 ? search_avx2(task) : search_plain(task);
+          }
+        });
     f.at.swap(next);
   }
 }
@@ -164,16 +159,12 @@ template <class T>
 void copy_originals(const std::array<std::vector<int>, 3>& original, std::vector<T>& array,
                     const Work& work) {
   const std::size_t n0 = original[0].size(), n1 = original[1].size();
-  const auto copied = [&](int axis, std::size_t k) {
-    return original[static_cast<std::size_t>(axis)][k] != static_cast<int>(k);
-  };
+  const auto copied = [&](int axis, std::size_t k) { return original[axis][k] != static_cast<int>(k); };
   work.parallel(original[2].size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t z = begin; z < end; ++z)
       for (std::size_t y = 0; y < n1; ++y) {
         T* to = &array[(z * n1 + y) * n0];
-        const T* from = &array[(static_cast<std::size_t>(original[2][z]) * n1 +
-                                static_cast<std::size_t>(original[1][y])) *
-                               n0];
+        const T* from = &array[(original[2][z] * n1 + original[1][y]) * n0];
         const bool row = copied(2, z) || copied(1, y);
         for (std::size_t x = 0; x < n0; ++x)
           if (row || copied(0, x)) to[x] = from[original[0][x]];
@@ -193,11 +184,10 @@ std::vector<int> originals(int n, bool patches, const TorusLine& line) {
 
 void copy_beyond(const TorusLines& lines, NeighborField& f, const Work& work) {
   if (!any_closed(lines)) return;
-  const std::size_t axis = static_cast<std::size_t>(f.axis);
-  const std::array<std::vector<int>, 3> from = {
-      originals(f.columns, true, lines[static_cast<std::size_t>(kSliceColumns[axis])]),
-      originals(f.rows, true, lines[static_cast<std::size_t>(kSliceRows[axis])]),
-      originals(f.slices, false, lines[axis])};
+  const std::size_t axis = f.axis;
+  const std::array<std::vector<int>, 3> from = {originals(f.columns, true, lines[kSliceColumns[axis]]),
+                                                originals(f.rows, true, lines[kSliceRows[axis]]),
+                                                originals(f.slices, false, lines[axis])};
   copy_originals(from, f.at, work);
   copy_originals(from, f.weight, work);
 }

@@ -49,7 +49,10 @@ Axes stored_channels(const Mat3& covariance) {
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return covariance(a, a) > covariance(b, b); });
   Axes out{Vec3::Zero(), Mat3::Zero(), covariance.trace()};
-  for (int c = 0; c < 3; ++c) out.variance[c] = covariance(order[c], order[c]), out.columns(order[c], c) = 1;
+  for (int c = 0; c < 3; ++c) {
+    out.variance[c] = covariance(order[c], order[c]);
+    out.columns(order[c], c) = 1;
+  }
   return out;
 }
 
@@ -74,10 +77,12 @@ ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, Solid
     Mat3 s = Mat3::Zero();
     for (const auto& p : *picture) {
       const Vec3 c = encoded(p, color).cast<double>();
-      m += c, s += c * c.transpose();
+      m += c;
+      s += c * c.transpose();
     }
-    const double share = 1.0 / (static_cast<double>(picture->size()) * static_cast<double>(linear.size()));
-    mean += share * m, square += share * s;
+    const double share = 1.0 / (static_cast<double>(picture->size()) * linear.size());
+    mean += share * m;
+    square += share * s;
   }
   const Mat3 covariance = square - mean * mean.transpose();
   const Axes axes = color == SolidColor::Rgb ? stored_channels(covariance) : principal(covariance);
@@ -85,7 +90,7 @@ ColorAxes color_axes(const std::vector<const std::vector<Vec3f>*>& linear, Solid
   out.axes = axes.columns;
   for (int c = 0; c < 3; ++c)
     if (axes.variance[c] > 1e-12 && axes.variance[c] > 1e-5 * axes.total) out.channels = c + 1;
-  if (out.channels > 0) out.scale = static_cast<float>(1 / std::sqrt(axes.total));
+  if (out.channels > 0) out.scale = 1 / std::sqrt(axes.total);
   return out;
 }
 

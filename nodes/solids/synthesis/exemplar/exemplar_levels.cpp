@@ -20,7 +20,7 @@ std::vector<Footprint> footprints(int from, int to) {
   const double step = static_cast<double>(from) / to;
   for (int i = 0; i < to; ++i) {
     const double lo = i * step, hi = (i + 1) * step;
-    auto& f = out[static_cast<std::size_t>(i)];
+    auto& f = out[i];
     f.first = std::min(from - 1, static_cast<int>(lo + 1e-9));
     for (int k = f.first; k < from && k < hi - 1e-9; ++k)
       f.weight.push_back(static_cast<float>((std::min<double>(hi, k + 1) - std::max<double>(lo, k)) / step));
@@ -31,7 +31,7 @@ std::vector<Footprint> footprints(int from, int to) {
 template <class T>
 std::vector<T> shrink(const std::vector<T>& in, int w0, int h0, int w, int h, const T& zero) {
   const auto fx = footprints(w0, w), fy = footprints(h0, h);
-  std::vector<T> rows(static_cast<std::size_t>(w) * static_cast<std::size_t>(h0), zero);
+  std::vector<T> rows(static_cast<std::size_t>(w) * h0, zero);
   for (int y = 0; y < h0; ++y)
     for (int x = 0; x < w; ++x)
       for (std::size_t k = 0; k < fx[x].weight.size(); ++k)
@@ -49,7 +49,8 @@ std::vector<T> shrink(const std::vector<T>& in, int w0, int h0, int w, int h, co
 
 SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
   SolidExemplar out;
-  out.width = width, out.height = height;
+  out.width = width;
+  out.height = height;
   const auto small = [&](const auto& all, const auto& zero) {
     return shrink(all, e.width, e.height, width, height, zero);
   };
@@ -68,21 +69,22 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
   std::vector<ExemplarLevel> out(static_cast<std::size_t>(levels));
   for (int l = levels - 1; l >= 0; --l) {
     work.check();
-    ExemplarLevel& e = out[static_cast<std::size_t>(l)];
+    ExemplarLevel& e = out[l];
     const int w = level_size(working.width, l, levels), h = level_size(working.height, l, levels);
     const bool full = l == levels - 1;
     const SolidExemplar small = full ? SolidExemplar{} : shrink(working, w, h);
     const SolidExemplar& s = full ? working : small;
-    e.width = w, e.height = h, e.channels = channels + (l < guided && !s.guide.empty());
+    e.width = w;
+    e.height = h;
+    e.channels = channels + (l < guided && !s.guide.empty());
     e.texels.assign(4 * s.pixels.size(), 0.0f);
     for (std::size_t i = 0; i < s.pixels.size(); ++i)
-      for (int c = 0; c < channels; ++c) e.texels[4 * i + static_cast<std::size_t>(c)] = s.pixels[i][c];
+      for (int c = 0; c < channels; ++c) e.texels[4 * i + c] = s.pixels[i][c];
     if (e.channels > channels)
-      for (std::size_t i = 0; i < s.guide.size(); ++i)
-        e.texels[4 * i + static_cast<std::size_t>(channels)] = s.guide[i];
+      for (std::size_t i = 0; i < s.guide.size(); ++i) e.texels[4 * i + channels] = s.guide[i];
     e.usable.assign(s.pixels.size(), 0);
     // A summed-area table of unusable pixels, so that four lookups test a patch.
-    std::vector<int> bad(static_cast<std::size_t>(w + 1) * static_cast<std::size_t>(h + 1), 0);
+    std::vector<int> bad(static_cast<std::size_t>(w + 1) * (h + 1), 0);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x)
         bad[static_cast<std::size_t>(y + 1) * (w + 1) + x + 1] =

@@ -20,17 +20,15 @@ inline float smoothed(const float* p, std::ptrdiff_t step) {
 void smooth(const std::vector<float>& in, int width, int height, int gap, std::vector<float>& row,
             std::vector<float>& out) {
   const int w = width - 2 * kRadius * gap, h = height - 2 * kRadius * gap;
-  row.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(height));
-  out.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  row.resize(static_cast<std::size_t>(w) * height);
+  out.resize(static_cast<std::size_t>(w) * h);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < w; ++x)
-      row[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)] = smoothed(
-          &in[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)],
-          gap);
+      row[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x] =
+          smoothed(&in[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + x], gap);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
-      const std::size_t i =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x);
+      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x;
       out[i] = smoothed(&row[i], static_cast<std::ptrdiff_t>(w) * gap);
     }
 }
@@ -42,9 +40,9 @@ void FinestBands::split(int width, int height) {
   const int less = width - 2 * kRadius;
   smooth(once, less, height - 2 * kRadius, 2, rows_again, twice);
   const int w = width - 2 * kFinishReach, h = height - 2 * kFinishReach;
-  for (auto& b : band) b.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h));
+  for (auto& b : band) b.resize(static_cast<std::size_t>(w) * h);
   const auto at = [](const std::vector<float>& of, int wide, int x, int y) {
-    return of[static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) + static_cast<std::size_t>(x)];
+    return of[static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) + x];
   };
   std::size_t i = 0;
   for (int y = 0; y < h; ++y)
@@ -53,8 +51,10 @@ void FinestBands::split(int width, int height) {
                   row = at(rows, less, x + 2 * kRadius, y + kFinishReach),
                   low = at(once, less, x + 2 * kRadius, y + 2 * kRadius),
                   low_row = at(rows_again, w, x, y + 2 * kRadius);
-      band[0][i] = all - row, band[1][i] = row - low;
-      band[2][i] = low - low_row, band[3][i] = low_row - twice[i];
+      band[0][i] = all - row;
+      band[1][i] = row - low;
+      band[2][i] = low - low_row;
+      band[3][i] = low_row - twice[i];
     }
 }
 
@@ -67,10 +67,9 @@ double finest_deviation(const SolidExemplar& e, int channels) {
     smooth(picture, e.width, e.height, 1, row, low);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const double d =
-            picture[static_cast<std::size_t>(y + kRadius) * static_cast<std::size_t>(e.width) +
-                    static_cast<std::size_t>(x + kRadius)] -
-            low[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + static_cast<std::size_t>(x)];
+        const double d = picture[static_cast<std::size_t>(y + kRadius) * static_cast<std::size_t>(e.width) +
+                                 (x + kRadius)] -
+                         low[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x];
         sum += d * d;
       }
   }

@@ -18,8 +18,7 @@ double threshold_of(const std::vector<SolidExemplar>& working) {
   cv::Mat bytes(1, static_cast<int>(values.size()), CV_8U);
   const float from = *low, span = std::max(1e-6f, *high - *low);
   for (int i = 0; i < bytes.cols; ++i)
-    bytes.at<std::uint8_t>(i) =
-        static_cast<std::uint8_t>(std::lround(255 * (values[static_cast<std::size_t>(i)] - from) / span));
+    bytes.at<std::uint8_t>(i) = std::lround(255 * (values[static_cast<std::size_t>(i)] - from) / span);
   cv::Mat unused;
   return from + span * (cv::threshold(bytes, unused, 0, 1, cv::THRESH_BINARY | cv::THRESH_OTSU) + 0.5) / 255;
 }
@@ -38,13 +37,15 @@ void guide_by_phases(std::vector<SolidExemplar>& working, double weight, int rea
       cv::distanceTransform(phase[k], distance[k], cv::DIST_L2, cv::DIST_MASK_PRECISE);
     e.guide.resize(e.pixels.size());
     for (std::size_t i = 0; i < e.guide.size(); ++i) {
-      const auto at = static_cast<int>(i);
+      const int at = i;
       const int x = at % e.width, y = at / e.width;
       // The border is half a pixel from the pixel's center.
       const float d =
           phase[0].data[i] ? distance[0].at<float>(y, x) - 0.5f : 0.5f - distance[1].at<float>(y, x);
       e.guide[i] = std::clamp(d, static_cast<float>(-reach), static_cast<float>(reach));
-      sum += e.guide[i], square += static_cast<double>(e.guide[i]) * e.guide[i], ++count;
+      sum += e.guide[i];
+      square += static_cast<double>(e.guide[i]) * e.guide[i];
+      ++count;
     }
   }
   const double mean = sum / count, deviation = std::sqrt(std::max(0.0, square / count - mean * mean));

@@ -17,7 +17,7 @@ void read_patch(const ExemplarLevel& e, std::uint32_t start, float* out) {
       for (int c = 0; c < e.channels; ++c)
         *out++ = e.texels[4 * (start + static_cast<std::size_t>(v) * static_cast<std::size_t>(e.width) +
                                static_cast<std::size_t>(u)) +
-                          static_cast<std::size_t>(c)];
+                          c];
 }
 
 struct ProjectArguments {
@@ -45,18 +45,17 @@ TERRAZZO_INLINE void project_body(const ProjectArguments& a) {
       for (int p = 0; p < Patches; ++p)
 #pragma GCC unroll 2
         for (int h = 0; h < vectors; ++h)
-          sum[p][h] =
-              -*reinterpret_cast<const Vector*>(&a.space.bias[static_cast<std::size_t>(d + h * width)]);
+          sum[p][h] = -*reinterpret_cast<const Vector*>(&a.space.bias[d + h * width]);
       const float* basis = a.space.basis.data() + d;
       for (int v = 0; v < kPatch; ++v) {
-        const std::size_t line = static_cast<std::size_t>(v) * a.pitch;
+        const std::size_t line = v * a.pitch;
         for (int k = 0; k < row; ++k, basis += dims) {
           Vector x[vectors];
 #pragma GCC unroll 2
           for (int h = 0; h < vectors; ++h) x[h] = *reinterpret_cast<const Vector*>(basis + h * width);
 #pragma GCC unroll 8
           for (int p = 0; p < Patches; ++p) {
-            const float value = patch[p][line + static_cast<std::size_t>(k)];
+            const float value = patch[p][line + k];
 #pragma GCC unroll 2
             for (int h = 0; h < vectors; ++h) sum[p][h] += x[h] * value;
           }
@@ -92,12 +91,12 @@ PatchSpace principal_axes(const ExemplarLevel& e, double share, int most) {
   PatchSpace out;
   out.channels = e.channels;
   out.dims = std::max(16, (kept + 15) / 16 * 16);
-  out.basis.assign(static_cast<std::size_t>(n) * static_cast<std::size_t>(out.dims), 0.0f);
+  out.basis.assign(static_cast<std::size_t>(n) * out.dims, 0.0f);
   out.bias.assign(static_cast<std::size_t>(out.dims), 0.0f);
   for (int d = 0; d < kept; ++d) {
     const Eigen::VectorXf axis = solver.eigenvectors().col(n - 1 - d);
-    for (int k = 0; k < n; ++k) out.basis[static_cast<std::size_t>(k * out.dims + d)] = axis[k];
-    out.bias[static_cast<std::size_t>(d)] = axis.dot(mean);
+    for (int k = 0; k < n; ++k) out.basis[k * out.dims + d] = axis[k];
+    out.bias[d] = axis.dot(mean);
   }
   return out;
 }
@@ -109,13 +108,13 @@ void project(const PatchSpace& space, const float* picture, std::size_t pitch, i
 }
 
 void measure_patches(ExemplarLevel& e, const Work& work) {
-  const std::size_t dims = static_cast<std::size_t>(e.space.dims), w = static_cast<std::size_t>(e.width);
-  e.features.assign(static_cast<std::size_t>(e.height) * w * dims, 0.0f);
-  std::vector<float> packed(static_cast<std::size_t>(e.height) * w * static_cast<std::size_t>(e.channels));
-  for (std::size_t i = 0, k = 0; i < w * static_cast<std::size_t>(e.height); ++i)
-    for (int c = 0; c < e.channels; ++c) packed[k++] = e.texels[4 * i + static_cast<std::size_t>(c)];
-  const std::size_t pitch = w * static_cast<std::size_t>(e.channels);
-  work.parallel(static_cast<std::size_t>(e.height - kPatch + 1), 8, [&](std::size_t begin, std::size_t end) {
+  const std::size_t dims = e.space.dims, w = e.width;
+  e.features.assign(e.height * w * dims, 0.0f);
+  std::vector<float> packed(e.height * w * e.channels);
+  for (std::size_t i = 0, k = 0; i < w * e.height; ++i)
+    for (int c = 0; c < e.channels; ++c) packed[k++] = e.texels[4 * i + c];
+  const std::size_t pitch = w * e.channels;
+  work.parallel(e.height - kPatch + 1, 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
       project(e.space, &packed[y * pitch], pitch, 1, e.width - kPatch + 1, &e.features[y * w * dims]);
   });
@@ -124,7 +123,7 @@ void measure_patches(ExemplarLevel& e, const Work& work) {
 void find_similar(ExemplarLevel& e, const Work& work) {
   constexpr int k = ExemplarLevel::kSimilar, apart = 3, gathered = 16;
   const PatchTree tree(e.features.data(), e.space.dims, e.starts);
-  e.similar.assign(static_cast<std::size_t>(e.width) * static_cast<std::size_t>(e.height) * k, 0);
+  e.similar.assign(static_cast<std::size_t>(e.width) * e.height * k, 0);
   const auto near = [&](std::uint32_t a, std::uint32_t b) {
     const int w = e.width, ax = static_cast<int>(a) % w, ay = static_cast<int>(a) / w;
     return std::abs(ax - static_cast<int>(b) % w) < apart && std::abs(ay - static_cast<int>(b) / w) < apart;

@@ -12,10 +12,10 @@ void PatchTree::build(std::size_t first, std::size_t last) {
   constexpr std::size_t leaf = 8;
   const std::size_t at = nodes_.size();
   nodes_.emplace_back();
-  nodes_[at].first = static_cast<std::uint32_t>(first), nodes_[at].last = static_cast<std::uint32_t>(last);
+  nodes_[at].first = first;
+  nodes_[at].last = last;
   const auto value = [&](std::uint32_t item, int d) {
-    return points_[static_cast<std::size_t>(item) * static_cast<std::size_t>(dims_) +
-                   static_cast<std::size_t>(d)];
+    return points_[static_cast<std::size_t>(item) * static_cast<std::size_t>(dims_) + d];
   };
   if (last - first <= leaf) return;
   int axis = 0;
@@ -24,9 +24,13 @@ void PatchTree::build(std::size_t first, std::size_t last) {
   for (int d = 0; d < dims_; ++d) {
     float lo = value(items_[first], d), hi = lo;
     for (std::size_t i = first; i < last; i += step) {
-      lo = std::min(lo, value(items_[i], d)), hi = std::max(hi, value(items_[i], d));
+      lo = std::min(lo, value(items_[i], d));
+      hi = std::max(hi, value(items_[i], d));
     }
-    if (hi - lo > widest) widest = hi - lo, axis = d;
+    if (hi - lo > widest) {
+      widest = hi - lo;
+      axis = d;
+    }
   }
   if (widest <= 0) return;  // all equal: one leaf
   const std::size_t middle = first + (last - first) / 2;
@@ -36,9 +40,10 @@ void PatchTree::build(std::size_t first, std::size_t last) {
                      const float x = value(a, axis), y = value(b, axis);
                      return x != y ? x < y : a < b;
                    });
-  nodes_[at].axis = axis, nodes_[at].split = value(items_[middle], axis);
+  nodes_[at].axis = axis;
+  nodes_[at].split = value(items_[middle], axis);
   build(first, middle);
-  nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
+  nodes_[at].right = nodes_.size();
   build(middle, last);
 }
 

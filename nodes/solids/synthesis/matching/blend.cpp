@@ -43,15 +43,14 @@ TERRAZZO_INLINE void store8(float* p, const Eight& v) { *reinterpret_cast<Eight*
 // or across its slices, never along its rows.
 template <int C>
 TERRAZZO_INLINE void gather(const RowTask& t, const NeighborField& f, const int (&x)[2], Samples<C>& s) {
-  const ExemplarLevel& e = *t.exemplars[static_cast<std::size_t>(f.exemplar)];
-  const auto axis = static_cast<std::size_t>(f.axis);
-  const auto& columns = *t.range.covers[static_cast<std::size_t>(kSliceColumns[axis])];
+  const ExemplarLevel& e = *t.exemplars[f.exemplar];
+  const std::size_t axis = f.axis;
+  const auto& columns = *t.range.covers[kSliceColumns[axis]];
   const bool along = kSliceColumns[axis] == 0;
-  const PatchCover& c0 = columns[static_cast<std::size_t>(along ? x[0] : t.y)];
-  const PatchCover& c1 = columns[static_cast<std::size_t>(along ? x[1] : t.y)];
+  const PatchCover& c0 = columns[along ? x[0] : t.y];
+  const PatchCover& c1 = columns[along ? x[1] : t.y];
   const int v = kSliceRows[axis] == 2 ? t.z : t.y, across = f.axis == 1 ? t.y : t.z;
-  const PatchCover& cv =
-      (*t.range.covers[static_cast<std::size_t>(kSliceRows[axis])])[static_cast<std::size_t>(v)];
+  const PatchCover& cv = (*t.range.covers[kSliceRows[axis]])[v];
   const std::size_t slice0 = static_cast<std::size_t>(f.axis == 0 ? x[0] : across) * f.rows,
                     slice1 = static_cast<std::size_t>(f.axis == 0 ? x[1] : across) * f.rows;
   const bool keep = t.sources != nullptr;
@@ -61,22 +60,23 @@ TERRAZZO_INLINE void gather(const RowTask& t, const NeighborField& f, const int 
     const FourInts in0 = *reinterpret_cast<const FourInts*>(c0.offset.data()),
                    in1 = *reinterpret_cast<const FourInts*>(c1.offset.data());
     Eight inner{};
-    for (int k = 0; k < 4; ++k)
-      inner[k] = kInner[static_cast<std::size_t>(in0[k])],
-      inner[4 + k] = kInner[static_cast<std::size_t>(in1[k])];
+    for (int k = 0; k < 4; ++k) {
+      inner[k] = kInner[in0[k]];
+      inner[4 + k] = kInner[in1[k]];
+    }
     // The same patches cover both voxels: their texels are adjacent.
     const bool beside = along && c0.patch[0] == c1.patch[0] && c0.offset[0] + 1 == c1.offset[0];
     for (int b = 0; b < cv.count; ++b, ++s.groups) {
-      const auto row = static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)]);
+      const std::size_t row = cv.patch[static_cast<std::size_t>(b)];
       const std::size_t p0 = (slice0 + row) * f.columns + c0.patch[0],
                         p1 = (slice1 + row) * f.columns + c1.patch[0];
-      const auto down = static_cast<std::uint32_t>(cv.offset[static_cast<std::size_t>(b)] * e.width);
+      const std::uint32_t down = cv.offset[static_cast<std::size_t>(b)] * e.width;
       const FourInts s0 = *reinterpret_cast<const FourInts*>(&f.at[p0]) + in0 + down,
                      s1 = *reinterpret_cast<const FourInts*>(&f.at[p1]) + in1 + down;
       const Four w0 = *reinterpret_cast<const Four*>(&f.weight[p0]),
                  w1 = *reinterpret_cast<const Four*>(&f.weight[p1]);
       const Eight w = __builtin_shufflevector(w0, w1, 0, 1, 2, 3, 4, 5, 6, 7) * inner *
-                      kInner[static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)])];
+                      kInner[cv.offset[static_cast<std::size_t>(b)]];
       const int at = 8 * s.groups;
       store8(s.weight + at, w);
       total += w;
@@ -102,7 +102,10 @@ TERRAZZO_INLINE void gather(const RowTask& t, const NeighborField& f, const int 
           store8(s.value[3] + at, __builtin_shufflevector(hi01, hi23, 2, 3, 10, 11, 6, 7, 14, 15));
       }
       if (keep)
-        for (int k = 0; k < 4; ++k) s.texel[at + k] = s0[k], s.texel[at + 4 + k] = s1[k];
+        for (int k = 0; k < 4; ++k) {
+          s.texel[at + k] = s0[k];
+          s.texel[at + 4 + k] = s1[k];
+        }
     }
   } else {
     s.groups += (cv.count * std::max(c0.count, c1.count) + 3) / 4;
@@ -115,15 +118,12 @@ TERRAZZO_INLINE void gather(const RowTask& t, const NeighborField& f, const int 
       int n = 0;
       for (int b = 0; b < cv.count; ++b)
         for (int a = 0; a < cu.count; ++a, ++n) {
-          const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+          const std::size_t i = a, j = b;
           const std::size_t patch = ((h == 0 ? slice0 : slice1) + cv.patch[j]) * f.columns + cu.patch[i];
-          const std::uint32_t source =
-              f.at[patch] + static_cast<std::uint32_t>(cv.offset[j] * e.width + cu.offset[i]);
+          const std::uint32_t source = f.at[patch] + (cv.offset[j] * e.width + cu.offset[i]);
           const int at = 8 * (begin + n / 4) + 4 * h + n % 4;
-          for (int c = 0; c < C; ++c)
-            s.value[c][at] = e.texels[4 * static_cast<std::size_t>(source) + static_cast<std::size_t>(c)];
-          s.weight[at] = f.weight[patch] * kInner[static_cast<std::size_t>(cu.offset[i])] *
-                         kInner[static_cast<std::size_t>(cv.offset[j])];
+          for (int c = 0; c < C; ++c) s.value[c][at] = e.texels[4 * static_cast<std::size_t>(source) + c];
+          s.weight[at] = f.weight[patch] * kInner[cu.offset[i]] * kInner[cv.offset[j]];
           s.texel[at] = source;
         }
     }
@@ -154,12 +154,16 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
 #pragma GCC unroll 4
         for (int c = 0; c < C; ++c) {
           const Eight v = load8(s.value[c] + k);
-          sum[c] += w * v, squares += w * v * v;
+          sum[c] += w * v;
+          squares += w * v * v;
         }
       }
       const Eight all = 1.0f / half_sums(w_sum);
 #pragma GCC unroll 4
-      for (int c = 0; c < C; ++c) mean[c] = half_sums(sum[c]) * all, spread -= mean[c] * mean[c];
+      for (int c = 0; c < C; ++c) {
+        mean[c] = half_sums(sum[c]) * all;
+        spread -= mean[c] * mean[c];
+      }
       spread += half_sums(squares) * all;
     }
     if (t.window > 0) {
@@ -168,7 +172,10 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
       const auto spreads = spread > 1e-12f;
       for (int h = 0; h < 8; h += 4) {
         const float from = spreads[h] ? spread[h] : 1, fall = std::min(1.0f, std::sqrt(narrow / from));
-        for (int k = h; k < h + 4; ++k) width[k] = from, root[k] = fall;
+        for (int k = h; k < h + 4; ++k) {
+          width[k] = from;
+          root[k] = fall;
+        }
       }
       Eight shifted[C];
 #pragma GCC unroll 4
@@ -201,10 +208,10 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
     }
     const std::size_t first =
         (static_cast<std::size_t>(t.z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(t.y)) *
-        static_cast<std::size_t>(size.x());
+        size.x();
     for (int h = 0; h < 2; ++h) {
-      const std::size_t voxel = first + static_cast<std::size_t>(x[h]);
-      for (int c = 0; c < C; ++c) t.field.channel[static_cast<std::size_t>(c)][voxel] = mean[c][4 * h];
+      const std::size_t voxel = first + x[h];
+      for (int c = 0; c < C; ++c) t.field.channel[c][voxel] = mean[c][4 * h];
       if (!t.sources) continue;
       const float inverse = 1 / std::max(narrow, 1e-4f);
       int best = 4 * h;
@@ -215,9 +222,13 @@ TERRAZZO_INLINE void blend_body(const RowTask& t) {
         for (int c = 0; c < C; ++c)
           far += (s.value[c][k] - mean[c][4 * h]) * (s.value[c][k] - mean[c][4 * h]);
         const float w = s.weight[k] / ((1 + far * inverse) * (1 + far * inverse));
-        if (w > most) most = w, best = k;
+        if (w > most) {
+          most = w;
+          best = k;
+        }
       }
-      t.sources->texel[voxel] = s.texel[best], t.sources->exemplar[voxel] = s.from[best];
+      t.sources->texel[voxel] = s.texel[best];
+      t.sources->exemplar[voxel] = s.from[best];
       if (t.features && !t.sources->features.empty()) {
         const auto* carried = (*t.features)[s.from[best]];
         if (carried && !carried->empty()) t.sources->features[voxel] = (*carried)[s.texel[best]];
@@ -258,16 +269,15 @@ void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
   const Row row = rows[avx2][field.channel.size() - 1];
   // Squares of 8 × 8 rows share their patches in the cache.
   const int by = (range.hi.y() - range.lo.y() + 7) / 8, bz = (range.hi.z() - range.lo.z() + 7) / 8;
-  work.parallel(static_cast<std::size_t>(by) * static_cast<std::size_t>(bz), 1,
-                [&](std::size_t begin, std::size_t end) {
-                  for (std::size_t i = begin; i < end; ++i) {
-                    const int y0 = range.lo.y() + 8 * static_cast<int>(i % static_cast<std::size_t>(by)),
-                              z0 = range.lo.z() + 8 * static_cast<int>(i / static_cast<std::size_t>(by));
-                    for (int z = z0; z < std::min(z0 + 8, range.hi.z()); ++z)
-                      for (int y = y0; y < std::min(y0 + 8, range.hi.y()); ++y)
-                        row({exemplars, families, range, field, settings.window, sources, features, y, z});
-                  }
-                });
+  work.parallel(static_cast<std::size_t>(by) * bz, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int y0 = range.lo.y() + 8 * static_cast<int>(i % by),
+                z0 = range.lo.z() + 8 * static_cast<int>(i / by);
+      for (int z = z0; z < std::min(z0 + 8, range.hi.z()); ++z)
+        for (int y = y0; y < std::min(y0 + 8, range.hi.y()); ++y)
+          row({exemplars, families, range, field, settings.window, sources, features, y, z});
+    }
+  });
 }
 
 }  // namespace terrazzo::solids

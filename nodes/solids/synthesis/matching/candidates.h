@@ -66,7 +66,11 @@ struct Best {
     if (c == at) return;
     float d = 0;
     const float s = score_of(query, e.feature(c), e.space.dims, penalty(c), score, d);
-    if (s < score) at = c, score = s, distance = d;
+    if (s < score) {
+      at = c;
+      score = s;
+      distance = d;
+    }
   }
   // Tries the patch (dx, dy) texels from c if there is one. The offset is less than a patch along one axis,
   // so that a step beyond a border ends where no patch can start.

@@ -22,7 +22,8 @@ inline std::vector<PatchCover> patch_covers(int size) {
     for (int o = 0; o < kPatch; ++o) {
       PatchCover& c = out[static_cast<std::size_t>((2 * p + o) % size)];
       if (c.count == 5) continue;
-      c.patch[static_cast<std::size_t>(c.count)] = p, c.offset[static_cast<std::size_t>(c.count++)] = o;
+      c.patch[static_cast<std::size_t>(c.count)] = p;
+      c.offset[static_cast<std::size_t>(c.count++)] = o;
     }
   for (PatchCover& c : out) c.even = c.count == 4 && c.patch[3] - c.patch[0] == 3;
   return out;

@@ -13,13 +13,14 @@ constexpr int kBlock = 6;  // patches
 
 NeighborField family_of(const Vec3i& size, int axis, int exemplar) {
   NeighborField f;
-  f.axis = axis, f.exemplar = exemplar;
+  f.axis = axis;
+  f.exemplar = exemplar;
   f.slices = size[axis];
-  f.width = size[kSliceColumns[static_cast<std::size_t>(axis)]],
-  f.height = size[kSliceRows[static_cast<std::size_t>(axis)]];
-  f.columns = (f.width + 1) / 2, f.rows = (f.height + 1) / 2;
-  f.at.resize(static_cast<std::size_t>(f.slices) * static_cast<std::size_t>(f.columns) *
-              static_cast<std::size_t>(f.rows));
+  f.width = size[kSliceColumns[axis]];
+  f.height = size[kSliceRows[axis]];
+  f.columns = (f.width + 1) / 2;
+  f.rows = (f.height + 1) / 2;
+  f.at.resize(static_cast<std::size_t>(f.slices) * static_cast<std::size_t>(f.columns) * f.rows);
   f.weight.assign(f.at.size(), 1.0f);
   return f;
 }
@@ -60,15 +61,14 @@ void carry_matches(const NeighborField& old, const CarriedPatches& columns, cons
     const double p = (start + miss + kPatch / 2.0) * scale - kPatch / 2.0;
     return std::clamp(static_cast<int>(std::floor(p + 0.5)), 0, size - kPatch);
   };
-  work.parallel(static_cast<std::size_t>(f.slices), 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(f.slices, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)
       for (std::size_t j = 0; j < rows.number.size(); ++j)
         for (std::size_t i = 0; i < columns.number.size(); ++i) {
           // In half of all blocks slices 2k and 2k + 1 come from one slice below, in the other half 2k − 1
           // and 2k. If the pairs were always the same, they would stay more alike than others, and the wrap
           // would never fall within a pair.
-          const auto block = static_cast<std::uint64_t>((rows.number[j] / kBlock) * columns.around +
-                                                        columns.number[i] / kBlock);
+          const std::uint64_t block = (rows.number[j] / kBlock) * columns.around + columns.number[i] / kBlock;
           const int slice =
               slices[s][Random(seed, 0x70 + static_cast<std::uint64_t>(f.axis), block).below(2)];
           const std::size_t o =
@@ -76,7 +76,7 @@ void carry_matches(const NeighborField& old, const CarriedPatches& columns, cons
           const std::size_t n = (s * rows.number.size() + j) * columns.number.size() + i;
           const int x = place(old.at[o] % coarse.width, columns.miss[i], in_x, fine.width),
                     y = place(old.at[o] / coarse.width, rows.miss[j], in_y, fine.height);
-          f.at[n] = static_cast<std::uint32_t>(y * fine.width + x);
+          f.at[n] = y * fine.width + x;
           // A mask may exclude more at this level than it did at the coarse one.
           if (!fine.usable[f.at[n]]) {
             const auto item =
@@ -97,11 +97,10 @@ NeighborField carry_up(const NeighborField& old, const Vec3i& from, const Vec3i&
   const auto carried = [](int patches, int period, int below) {
     CarriedPatches c;
     c.around = patches;
-    c.miss.resize(static_cast<std::size_t>(patches));
+    c.miss.resize(patches);
     for (int i = 0; i < patches; ++i) {
       c.number.push_back(i);
-      c.from.push_back(wrapped(patch_below(2 * i, period, below, c.miss[static_cast<std::size_t>(i)]),
-                               patches_around(below)));
+      c.from.push_back(wrapped(patch_below(2 * i, period, below, c.miss[i]), patches_around(below)));
     }
     return c;
   };
@@ -127,8 +126,8 @@ double weigh(NeighborField& f, double exponent, const Work& work) {
         return s;
       },
       [](double a, double b) { return a + b; });
-  const float floor = static_cast<float>(std::max(sum / static_cast<double>(n), 1e-12));
-  const float power = static_cast<float>((exponent - 2) / 2);
+  const float floor = std::max(sum / static_cast<double>(n), 1e-12);
+  const float power = (exponent - 2) / 2;
   // Relative to the floor, so that weights stay near 1.
   work.parallel(n, 1 << 14, [&](std::size_t b, std::size_t e) {
     for (std::size_t i = b; i < e; ++i) f.weight[i] = std::pow(f.weight[i] / floor + 1.0f, power);

@@ -47,35 +47,31 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   const ExemplarLevel& e = t.e;
   NeighborField& f = t.f;
   const int dims = e.space.dims;
-  const std::size_t pitch =
-      static_cast<std::size_t>(f.width + kPatch - 1) * static_cast<std::size_t>(e.channels);
-  const std::size_t plane = static_cast<std::size_t>(f.columns) * static_cast<std::size_t>(f.rows);
-  std::uint32_t* at = &f.at[static_cast<std::size_t>(t.slice) * plane];
-  const std::uint32_t* below = &f.at[static_cast<std::size_t>((t.slice + f.slices - 1) % f.slices) * plane];
-  const std::uint32_t* above = &f.at[static_cast<std::size_t>((t.slice + 1) % f.slices) * plane];
-  float* weight = &f.weight[static_cast<std::size_t>(t.slice) * plane];
+  const std::size_t pitch = static_cast<std::size_t>(f.width + kPatch - 1) * e.channels;
+  const std::size_t plane = static_cast<std::size_t>(f.columns) * f.rows;
+  std::uint32_t* at = &f.at[t.slice * plane];
+  const std::uint32_t* below = &f.at[((t.slice + f.slices - 1) % f.slices) * plane];
+  const std::uint32_t* above = &f.at[((t.slice + 1) % f.slices) * plane];
+  float* weight = &f.weight[t.slice * plane];
   const Penalties penalties(t.penalty, t.settings.copying);
   const bool forwards = t.settings.iteration % 2 == 0;
   // Each sweep starts somewhere else. A sweep makes matches coherent along its path, but they do not fit
   // where it ends; that must not always be the wrap.
-  Random origin(
-      t.settings.seed,
-      0x4000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 + static_cast<std::uint64_t>(f.axis),
-      static_cast<std::uint64_t>(t.slice));
-  const int first_i = static_cast<int>(origin.below(static_cast<std::uint64_t>(f.columns))),
-            first_j = static_cast<int>(origin.below(static_cast<std::uint64_t>(f.rows)));
+  Random origin(t.settings.seed, 0x4000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 + f.axis,
+                static_cast<std::uint64_t>(t.slice));
+  const int first_i = origin.below(static_cast<std::uint64_t>(f.columns)),
+            first_j = origin.below(static_cast<std::uint64_t>(f.rows));
 
   for (int jj = 0; jj < f.rows; ++jj) {
     const int j = (first_j + (forwards ? jj : f.rows - 1 - jj)) % f.rows;
-    project(e.space, t.picture + static_cast<std::size_t>(2 * j) * pitch, pitch, 2, f.columns, t.features);
+    project(e.space, t.picture + (2 * j) * pitch, pitch, 2, f.columns, t.features);
     for (int ii = 0; ii < f.columns; ++ii) {
       const int i = (first_i + (forwards ? ii : f.columns - 1 - ii)) % f.columns;
-      const std::size_t n =
-          static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + static_cast<std::size_t>(i);
+      const std::size_t n = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + i;
       const float* query = t.features + static_cast<std::ptrdiff_t>(i) * dims;
-      const std::size_t row = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns);
-      const std::size_t left = row + static_cast<std::size_t>(i > 0 ? i - 1 : f.columns - 1),
-                        right = row + static_cast<std::size_t>(i + 1 < f.columns ? i + 1 : 0);
+      const std::size_t row = static_cast<std::size_t>(j) * f.columns;
+      const std::size_t left = row + (i > 0 ? i - 1 : f.columns - 1),
+                        right = row + (i + 1 < f.columns ? i + 1 : 0);
       const std::size_t down = static_cast<std::size_t>(j > 0 ? j - 1 : f.rows - 1) * f.columns + i,
                         up = static_cast<std::size_t>(j + 1 < f.rows ? j + 1 : 0) * f.columns + i;
       // Across the wrap of an odd width the step is 1, not 2.
@@ -83,10 +79,8 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
                 from_right = i + 1 < f.columns || f.width % 2 == 0 ? -2 : -1,
                 from_down = j > 0 || f.height % 2 == 0 ? 2 : 1,
                 from_up = j + 1 < f.rows || f.height % 2 == 0 ? -2 : -1;
-      const FourInts goes_on = {at[left] + static_cast<std::uint32_t>(from_left),
-                                at[right] + static_cast<std::uint32_t>(from_right),
-                                at[down] + static_cast<std::uint32_t>(from_down * e.width),
-                                at[up] + static_cast<std::uint32_t>(from_up * e.width)};
+      const FourInts goes_on = {at[left] + from_left, at[right] + from_right,
+                                at[down] + (from_down * e.width), at[up] + (from_up * e.width)};
       Best best(e, query, penalties, goes_on, at[n]);
       if (t.settings.exhaustive) {
         for (const auto c : e.starts) best.consider(c);
@@ -98,10 +92,8 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
         best.consider(below[n]);
         best.consider(above[n]);
         best.similar();
-        Random random(t.settings.seed,
-                      0x1000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 +
-                          static_cast<std::uint64_t>(f.axis),
-                      static_cast<std::uint64_t>(t.slice) * plane + n);
+        Random random(t.settings.seed, 0x1000 + static_cast<std::uint64_t>(t.settings.iteration) * 3 + f.axis,
+                      t.slice * plane + n);
         best.around(32, [&] {
           const std::uint64_t bits = random.bits();
           return std::array<std::uint64_t, 2>{bits & 0xffffffffu, bits >> 32};
@@ -121,28 +113,26 @@ void search_plain(const SliceTask& t) { search_body(t); }
 }  // namespace
 
 void read_slice(const SolidField& field, int axis, int slice, std::vector<float>& out) {
-  const int u = kSliceColumns[static_cast<std::size_t>(axis)], v = kSliceRows[static_cast<std::size_t>(axis)];
+  const int u = kSliceColumns[axis], v = kSliceRows[axis];
   const int width = field.size[u], height = field.size[v];
-  const std::size_t step[3] = {
-      1, static_cast<std::size_t>(field.size.x()),
-      static_cast<std::size_t>(field.size.x()) * static_cast<std::size_t>(field.size.y())};
+  const std::size_t step[3] = {1, static_cast<std::size_t>(field.size.x()),
+                               static_cast<std::size_t>(field.size.x()) * field.size.y()};
   const std::size_t channels = field.channel.size();
   const int w = width + kPatch - 1, h = height + kPatch - 1;
-  out.resize(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * channels);
+  out.resize(static_cast<std::size_t>(w) * h * channels);
   // Across x each voxel is in a cache line of its own.
   const std::size_t ahead = u == 0 ? 0 : 2 * step[v];
   for (std::size_t c = 0; c < channels; ++c) {
-    const float* from = field.channel[c].data() + static_cast<std::size_t>(slice) * step[axis];
+    const float* from = field.channel[c].data() + slice * step[axis];
     for (int y = 0; y < h; ++y) {
-      const float* row = from + static_cast<std::size_t>(y % height) * step[v];
-      float* to = &out[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) * channels + c];
+      const float* row = from + (y % height) * step[v];
+      float* to = &out[static_cast<std::size_t>(y) * w * channels + c];
       // Only the first few columns repeat.
       for (int x = 0; x < width; ++x) {
-        if (ahead) __builtin_prefetch(row + static_cast<std::size_t>(x) * step[u] + ahead);
-        to[static_cast<std::size_t>(x) * channels] = row[static_cast<std::size_t>(x) * step[u]];
+        if (ahead) __builtin_prefetch(row + x * step[u] + ahead);
+        to[x * channels] = row[x * step[u]];
       }
-      for (int x = width; x < w; ++x)
-        to[static_cast<std::size_t>(x) * channels] = to[static_cast<std::size_t>(x - width) * channels];
+      for (int x = width; x < w; ++x) to[x * channels] = to[(x - width) * channels];
     }
   }
 }
@@ -155,8 +145,8 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
   for (std::size_t e = 0; e < exemplars.size(); ++e) {
     double matches = 0;
     for (const auto& f : families)
-      if (f.exemplar == static_cast<int>(e)) matches += static_cast<double>(f.count());
-    usage.emplace_back(*exemplars[e], matches / static_cast<double>(exemplars[e]->starts.size()));
+      if (f.exemplar == static_cast<int>(e)) matches += f.count();
+    usage.emplace_back(*exemplars[e], matches / exemplars[e]->starts.size());
     for (const auto& f : families)
       if (f.exemplar == static_cast<int>(e))
         for (const auto at : f.at) usage[e].add(at);
@@ -168,10 +158,9 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
   };
   std::vector<std::vector<Item>> parts(phases + 1);
   for (int k = 0; k < static_cast<int>(families.size()); ++k)
-    for (int s = 0; s < families[static_cast<std::size_t>(k)].slices; ++s) {
-      const bool meets_first =
-          s > 0 && s == families[static_cast<std::size_t>(k)].slices - 1 && s % phases == 0;
-      parts[static_cast<std::size_t>(meets_first ? phases : s % phases)].push_back({k, s});
+    for (int s = 0; s < families[k].slices; ++s) {
+      const bool meets_first = s > 0 && s == families[k].slices - 1 && s % phases == 0;
+      parts[meets_first ? phases : s % phases].push_back({k, s});
     }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     for (std::size_t e = 0; e < exemplars.size(); ++e)
@@ -179,17 +168,17 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
     work.quiet().parallel(parts[p].size(), 1, [&](std::size_t begin, std::size_t end) {
       std::vector<float> picture, features;
       for (std::size_t i = begin; i < end; ++i) {
-        NeighborField& f = families[static_cast<std::size_t>(parts[p][i].family)];
-        const ExemplarLevel& e = *exemplars[static_cast<std::size_t>(f.exemplar)];
+        NeighborField& f = families[parts[p][i].family];
+        const ExemplarLevel& e = *exemplars[f.exemplar];
         read_slice(field, f.axis, parts[p][i].slice, picture);
-        features.resize(static_cast<std::size_t>(f.columns) * static_cast<std::size_t>(e.space.dims));
-        Usage& u = usage[static_cast<std::size_t>(f.exemplar)];
+        features.resize(static_cast<std::size_t>(f.columns) * e.space.dims);
+        Usage& u = usage[f.exemplar];
         const SliceTask task{
             e, f, u.penalty(), u, settings, parts[p][i].slice, picture.data(), features.data()};
         avx2 ? search_avx2(task) : search_plain(task);
       }
     });
-    work.progress(static_cast<double>(p + 1) / static_cast<double>(parts.size()));
+    work.progress(static_cast<double>(p + 1) / parts.size());
   }
 }
 

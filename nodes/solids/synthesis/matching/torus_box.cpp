@@ -11,7 +11,10 @@ constexpr int kBeyond = 10;
 TorusBox TorusBox::grown(int by) const {
   TorusBox out = *this;
   for (int a = 0; a < 3; ++a)
-    if (!closed[static_cast<std::size_t>(a)]) out.lo[a] -= by, out.hi[a] += by;
+    if (!closed[a]) {
+      out.lo[a] -= by;
+      out.hi[a] += by;
+    }
   return out;
 }
 
@@ -21,17 +24,19 @@ int first_patch(int voxel, int period) {
 }
 
 TorusLine::TorusLine(const TorusBox& box, int axis, int whole)
-    : period(whole), closed(box.closed[static_cast<std::size_t>(axis)]), lo(box.lo[axis]), hi(box.hi[axis]) {
-  from = closed ? -kBeyond : lo, to = closed ? period + kBeyond : hi;
+    : period(whole), closed(box.closed[axis]), lo(box.lo[axis]), hi(box.hi[axis]) {
+  from = closed ? -kBeyond : lo;
+  to = closed ? period + kBeyond : hi;
   first = first_patch(closed ? from : lo - kPatch + 1, period);
   for (int q = first; patch_start(q, period) < to; ++q) start.push_back(patch_start(q, period));
-  cover.resize(static_cast<std::size_t>(to - from));
+  cover.resize(to - from);
   for (int k = 0; k < patches(); ++k)
     for (int o = 0; o < kPatch; ++o) {
-      const int voxel = start[static_cast<std::size_t>(k)] + o - from;
+      const int voxel = start[k] + o - from;
       if (voxel < 0 || voxel >= to - from) continue;
-      PatchCover& c = cover[static_cast<std::size_t>(voxel)];
-      c.patch[static_cast<std::size_t>(c.count)] = k, c.offset[static_cast<std::size_t>(c.count++)] = o;
+      PatchCover& c = cover[voxel];
+      c.patch[c.count] = k;
+      c.offset[c.count++] = o;
     }
   for (PatchCover& c : cover) c.even = c.count == 4;
 }

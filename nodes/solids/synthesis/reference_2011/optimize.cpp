@@ -30,13 +30,14 @@ Histogram histogram_of(const ExemplarLevel& e) {
   const std::size_t n = e.usable.size();
   for (std::size_t c = 0; c < static_cast<std::size_t>(e.channels); ++c) {
     float lo = e.texels[c], hi = lo;
-    for (std::size_t i = 0; i < n; ++i)
-      lo = std::min(lo, e.texels[4 * i + c]), hi = std::max(hi, e.texels[4 * i + c]);
+    for (std::size_t i = 0; i < n; ++i) {
+      lo = std::min(lo, e.texels[4 * i + c]);
+      hi = std::max(hi, e.texels[4 * i + c]);
+    }
     h.lo.push_back(lo), h.scale.push_back(kBins / std::max(hi - lo, 1e-12f));
     h.at.push_back({});
     for (std::size_t i = 0; i < n; ++i)
-      h.at[c][static_cast<std::size_t>(h.bin(c, e.texels[4 * i + c]))] +=
-          static_cast<float>(kBins) / static_cast<float>(n);
+      h.at[c][h.bin(c, e.texels[4 * i + c])] += static_cast<float>(kBins) / n;
   }
   return h;
 }
@@ -46,30 +47,28 @@ void search_trees(const SolidField& field, const std::vector<const ExemplarLevel
                   const Work& work) {
   for (std::size_t k = 0; k < families.size(); ++k) {
     NeighborField& f = families[k];
-    const ExemplarLevel& e = *exemplars[static_cast<std::size_t>(f.exemplar)];
-    const PatchTree& tree = trees[static_cast<std::size_t>(f.exemplar)];
-    const auto dims = static_cast<std::size_t>(e.space.dims);
-    const std::size_t pitch =
-        static_cast<std::size_t>(f.width + kPatch - 1) * static_cast<std::size_t>(e.channels);
-    const double n = static_cast<double>(families.size());
-    work.part(static_cast<double>(k) / n, (static_cast<double>(k) + 1) / n)
-        .parallel(static_cast<std::size_t>(f.slices), 1, [&](std::size_t begin, std::size_t end) {
-          std::vector<float> picture, features(dims * static_cast<std::size_t>(f.columns));
+    const ExemplarLevel& e = *exemplars[f.exemplar];
+    const PatchTree& tree = trees[f.exemplar];
+    const std::size_t dims = e.space.dims;
+    const std::size_t pitch = static_cast<std::size_t>(f.width + kPatch - 1) * e.channels;
+    const double n = families.size();
+    work.part(k / n, (static_cast<double>(k) + 1) / n)
+        .parallel(f.slices, 1, [&](std::size_t begin, std::size_t end) {
+          std::vector<float> picture, features(dims * f.columns);
           std::vector<PatchTree::Hit> hits;
           for (std::size_t s = begin; s < end; ++s) {
-            read_slice(field, f.axis, static_cast<int>(s), picture);
+            read_slice(field, f.axis, s, picture);
             for (int j = 0; j < f.rows; ++j) {
               work.check();
-              project(e.space, &picture[static_cast<std::size_t>(2 * j) * pitch], pitch, 2, f.columns,
-                      features.data());
+              project(e.space, &picture[(2 * j) * pitch], pitch, 2, f.columns, features.data());
               for (int i = 0; i < f.columns; ++i) {
                 tree.nearest(
-                    &features[static_cast<std::size_t>(i) * dims], 1, kEpsilon, 1 << 30,
-                    [](std::uint32_t) { return true; }, hits);
+                    &features[i * dims], 1, kEpsilon, 1 << 30, [](std::uint32_t) { return true; }, hits);
                 const std::size_t at = (s * static_cast<std::size_t>(f.rows) + static_cast<std::size_t>(j)) *
                                            static_cast<std::size_t>(f.columns) +
-                                       static_cast<std::size_t>(i);
-                f.at[at] = hits[0].item, f.weight[at] = hits[0].distance2;
+                                       i;
+                f.at[at] = hits[0].item;
+                f.weight[at] = hits[0].distance2;
               }
             }
           }
@@ -100,7 +99,10 @@ std::array<float, 3> dominant_cluster(std::vector<Texel>& t, float window) {
         const float w = t[i].weight + t[j].weight;
         for (int c = 0; c < 3; ++c)
           t[i].value[c] = (t[i].value[c] * t[i].weight + t[j].value[c] * t[j].weight) / w;
-        t[i].weight = w, t[j] = t.back(), t.pop_back(), merged = true;
+        t[i].weight = w;
+        t[j] = t.back();
+        t.pop_back();
+        merged = true;
       }
   }
   return std::max_element(t.begin(), t.end(),
@@ -121,7 +123,7 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
   const Vec3i& size = field.size;
   const std::array<std::vector<PatchCover>, 3> cover = {patch_covers(size.x()), patch_covers(size.y()),
                                                         patch_covers(size.z())};
-  const float unit = static_cast<float>(kBins) / static_cast<float>(n);
+  const float unit = static_cast<float>(kBins) / n;
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
   for (int it = 0; it < iterations; ++it) {
@@ -134,45 +136,39 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
     for (auto& h : have)
       for (std::size_t c = 0; c < channels; ++c) {
         h.at[c].fill(0);
-        for (const float v : field.channel[c]) h.at[c][static_cast<std::size_t>(h.bin(c, v))] += unit;
+        for (const float v : field.channel[c]) h.at[c][h.bin(c, v)] += unit;
       }
     Random random(seed, 0x70, static_cast<std::uint64_t>(it));
     for (std::size_t i = n - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
-    const float reach = static_cast<float>(
-        window * std::pow(0.1, iterations > 1 ? static_cast<double>(it) / (iterations - 1) : 1));
+    const float reach =
+        window * std::pow(0.1, iterations > 1 ? static_cast<double>(it) / (iterations - 1) : 1);
     std::vector<Texel> texels;
     std::size_t visited = 0;
     for (const std::uint32_t voxel : order) {
       if (++visited % 4096 == 0) work.check();
-      const int at[3] = {static_cast<int>(voxel % static_cast<std::uint32_t>(size.x())),
-                         static_cast<int>(voxel / static_cast<std::uint32_t>(size.x()) %
-                                          static_cast<std::uint32_t>(size.y())),
-                         static_cast<int>(voxel / static_cast<std::uint32_t>(size.x()) /
-                                          static_cast<std::uint32_t>(size.y()))};
+      const int at[3] = {static_cast<int>(voxel % size.x()),
+                         static_cast<int>(voxel / static_cast<std::uint32_t>(size.x()) % size.y()),
+                         static_cast<int>(voxel / static_cast<std::uint32_t>(size.x()) / size.y())};
       texels.clear();
       for (const NeighborField& f : families) {
-        const ExemplarLevel& e = *exemplars[static_cast<std::size_t>(f.exemplar)];
-        const Histogram &want = wanted[static_cast<std::size_t>(f.exemplar)],
-                        &now = have[static_cast<std::size_t>(f.exemplar)];
-        const int u = kSliceColumns[static_cast<std::size_t>(f.axis)],
-                  v = kSliceRows[static_cast<std::size_t>(f.axis)];
-        const PatchCover &cu = cover[static_cast<std::size_t>(u)][static_cast<std::size_t>(at[u])],
-                         &cv = cover[static_cast<std::size_t>(v)][static_cast<std::size_t>(at[v])];
+        const ExemplarLevel& e = *exemplars[f.exemplar];
+        const Histogram &want = wanted[f.exemplar], &now = have[f.exemplar];
+        const int u = kSliceColumns[f.axis], v = kSliceRows[f.axis];
+        const PatchCover &cu = cover[u][at[u]], &cv = cover[v][at[v]];
         for (int b = 0; b < cv.count; ++b)
           for (int a = 0; a < cu.count; ++a) {
             const std::size_t patch =
                 (static_cast<std::size_t>(at[f.axis]) * static_cast<std::size_t>(f.rows) +
-                 static_cast<std::size_t>(cv.patch[static_cast<std::size_t>(b)])) *
+                 static_cast<std::size_t>(cv.patch[b])) *
                     static_cast<std::size_t>(f.columns) +
-                static_cast<std::size_t>(cu.patch[static_cast<std::size_t>(a)]);
+                cu.patch[static_cast<std::size_t>(a)];
             const std::size_t source =
-                f.at[patch] + static_cast<std::size_t>(cv.offset[static_cast<std::size_t>(b)] * e.width +
-                                                       cu.offset[static_cast<std::size_t>(a)]);
+                f.at[patch] + static_cast<std::size_t>(cv.offset[b] * e.width + cu.offset[a]);
             Texel t{{0, 0, 0}, f.weight[patch]};
             float excess = 1;
             for (std::size_t c = 0; c < channels; ++c) {
               t.value[c] = e.texels[4 * source + c];
-              const auto bin = static_cast<std::size_t>(want.bin(c, t.value[c]));
+              const std::size_t bin = want.bin(c, t.value[c]);
               excess += std::max(0.0f, now.at[c][bin] - want.at[c][bin]);
             }
             t.weight /= excess;
@@ -182,9 +178,10 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
       const auto value = dominant_cluster(texels, reach);
       for (std::size_t c = 0; c < channels; ++c) {
         float& old = field.channel[c][voxel];
-        for (auto& h : have)
-          h.at[c][static_cast<std::size_t>(h.bin(c, old))] -= unit,
-              h.at[c][static_cast<std::size_t>(h.bin(c, value[c]))] += unit;
+        for (auto& h : have) {
+          h.at[c][h.bin(c, old)] -= unit;
+          h.at[c][h.bin(c, value[c])] += unit;
+        }
         old = value[c];
       }
     }
@@ -195,16 +192,15 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
 SolidField resample(const SolidField& in, const Vec3i& size, const Work& work) {
   SolidField out;
   out.size = size;
-  const std::size_t n = static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-                        static_cast<std::size_t>(size.z());
+  const std::size_t n = static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z();
   for (const auto& from : in.channel) {
     std::vector<float> to(n);
-    work.parallel(static_cast<std::size_t>(size.z()), 4, [&](std::size_t begin, std::size_t end) {
+    work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
       const auto place = [&](int axis, int i, int* whole, float& part) {
         const double p = (i + 0.5) * in.size[axis] / size[axis] - 0.5, f = std::floor(p);
-        whole[0] = (static_cast<int>(f) + in.size[axis]) % in.size[axis],
+        whole[0] = (static_cast<int>(f) + in.size[axis]) % in.size[axis];
         whole[1] = (whole[0] + 1) % in.size[axis];
-        part = static_cast<float>(p - f);
+        part = p - f;
       };
       for (std::size_t z = begin; z < end; ++z)
         for (int y = 0; y < size.y(); ++y)
@@ -218,10 +214,10 @@ SolidField resample(const SolidField& in, const Vec3i& size, const Work& work) {
                      from[(static_cast<std::size_t>(wz[k >> 2]) * static_cast<std::size_t>(in.size.y()) +
                            static_cast<std::size_t>(wy[k >> 1 & 1])) *
                               static_cast<std::size_t>(in.size.x()) +
-                          static_cast<std::size_t>(wx[k & 1])];
+                          wx[k & 1]];
             to[(z * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y)) *
                    static_cast<std::size_t>(size.x()) +
-               static_cast<std::size_t>(x)] = sum;
+               x] = sum;
           }
     });
     out.channel.push_back(std::move(to));

@@ -15,31 +15,29 @@ void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings
   for (std::size_t e = 0; e < working.size(); ++e) {
     Image picture(working[e].width, working[e].height, 1, 1);
     picture.pixels = working[e].pixels;
-    wanted[e] = measure_bands(picture, static_cast<int>(field.channel.size()), scales, work.quiet());
+    wanted[e] = measure_bands(picture, field.channel.size(), scales, work.quiet());
   }
   std::vector<int> axes;
   for (int a = 0; a < 3; ++a)
-    if (s.plane[static_cast<std::size_t>(a)] >= 0) axes.push_back(a);
+    if (s.plane[a] >= 0) axes.push_back(a);
   SliceFamily::Workspace space;
   std::vector<float> sum(field.channel[0].size());
   const std::size_t channels = field.channel.size();
   for (std::size_t c = 0; c < channels; ++c) {
     std::vector<const Quantiles*> values;
-    for (int a : axes)
-      values.push_back(&wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].values[c]);
+    for (int a : axes) values.push_back(&wanted[s.plane[static_cast<std::size_t>(a)]].values[c]);
     const Quantiles target = mixture(values);
     for (int round = 0; round < s.finish; ++round) {
-      const float planes = static_cast<float>(axes.size()), share = finish_share(axes.size());
+      const float planes = axes.size(), share = finish_share(axes.size());
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = (1 - share * planes) * field.channel[c][i];
       for (int a : axes) {
         const SliceFamily family(field.size, a, scales);
-        family.match(field.channel[c],
-                     wanted[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(a)])].bands[c], share,
-                     sum, space, work.quiet(), last_scale);
+        family.match(field.channel[c], wanted[s.plane[static_cast<std::size_t>(a)]].bands[c], share, sum,
+                     space, work.quiet(), last_scale);
       }
       field.channel[c].swap(sum);
       match_values(field.channel[c], target, work.quiet());
-      work.progress((static_cast<double>(c) + (round + 1.0) / s.finish) / static_cast<double>(channels));
+      work.progress((c + (round + 1.0) / s.finish) / channels);
     }
   }
 }

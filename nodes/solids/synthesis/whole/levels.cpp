@@ -5,8 +5,7 @@
 namespace terrazzo::solids {
 
 std::size_t voxels(const Vec3i& size) {
-  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) *
-         static_cast<std::size_t>(size.z());
+  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z();
 }
 
 Vec3i box_at(const Vec3i& full, int level, int levels) {
@@ -28,12 +27,12 @@ std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exe
           std::fill_n(seen.begin() + start + v * e->width, kPatch, std::uint8_t{1});
       std::vector<float> values;
       for (std::size_t i = 0; i < seen.size(); ++i)
-        if (seen[i]) values.push_back(e->texels[4 * i + static_cast<std::size_t>(c)]);
+        if (seen[i]) values.push_back(e->texels[4 * i + c]);
       each.push_back(quantiles_of(values));
     }
     std::vector<const Quantiles*> planes;
     for (const int p : s.plane)
-      if (p >= 0) planes.push_back(&each[static_cast<std::size_t>(p)]);
+      if (p >= 0) planes.push_back(&each[p]);
     out.push_back(mixture(planes));
   }
   return out;
@@ -41,7 +40,7 @@ std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exe
 
 std::vector<const ExemplarLevel*> level_of(const std::vector<Pyramid>& pyramids, int level) {
   std::vector<const ExemplarLevel*> out;
-  for (const auto& p : pyramids) out.push_back(&p[static_cast<std::size_t>(level)]);
+  for (const auto& p : pyramids) out.push_back(&p[level]);
   return out;
 }
 
@@ -54,7 +53,9 @@ int whole_level(const SolidSettings& s, int levels) {
 
 SearchSettings search_settings(const SolidSettings& s) {
   SearchSettings out;
-  out.overuse = static_cast<float>(s.overuse), out.copying = static_cast<float>(s.copying), out.seed = s.seed;
+  out.overuse = s.overuse;
+  out.copying = s.copying;
+  out.seed = s.seed;
   return out;
 }
 

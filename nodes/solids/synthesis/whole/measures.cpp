@@ -18,7 +18,8 @@ using Picture = PatchPicture;
 Picture slice_picture(const SolidField& field, int axis, int slice) {
   Picture p;
   const int u = kSliceColumns[axis], v = kSliceRows[axis];
-  p.width = field.size[u], p.height = field.size[v];
+  p.width = field.size[u];
+  p.height = field.size[v];
   int at[3];
   at[axis] = slice;
   for (at[v] = 0; at[v] < p.height; ++at[v])
@@ -26,8 +27,7 @@ Picture slice_picture(const SolidField& field, int axis, int slice) {
       const std::size_t i =
           (static_cast<std::size_t>(at[2]) * field.size.y() + at[1]) * field.size.x() + at[0];
       Vec3f c = Vec3f::Zero();
-      for (std::size_t k = 0; k < field.channel.size(); ++k)
-        c[static_cast<Eigen::Index>(k)] = field.channel[k][i];
+      for (std::size_t k = 0; k < field.channel.size(); ++k) c[k] = field.channel[k][i];
       p.pixels.push_back(c);
     }
   return p;
@@ -35,7 +35,8 @@ Picture slice_picture(const SolidField& field, int axis, int slice) {
 
 Picture part_of(const SolidExemplar& e, int x0, int y0, int x1, int y1) {
   Picture p;
-  p.width = x1 - x0, p.height = y1 - y0;
+  p.width = x1 - x0;
+  p.height = y1 - y0;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) p.pixels.push_back(e.pixels[static_cast<std::size_t>(y) * e.width + x]);
   return p;
@@ -66,7 +67,7 @@ double more_striped(double columns, double rows, double exemplar_columns, double
 // Mean |difference| between each slice and the next.
 std::vector<double> steps_across(const SolidField& field, int axis, const Work& work) {
   const Vec3i& size = field.size;
-  const auto n = static_cast<std::size_t>(size[axis]), layers = static_cast<std::size_t>(size.z());
+  const std::size_t n = size[axis], layers = size.z();
   const std::ptrdiff_t steps[3] = {1, size.x(), static_cast<std::ptrdiff_t>(size.x()) * size.y()};
   // One sum per layer, so that the result does not depend on the number of threads.
   std::vector<double> of_layer(n * layers, 0.0);
@@ -79,32 +80,32 @@ std::vector<double> steps_across(const SolidField& field, int axis, const Work& 
           const std::ptrdiff_t next = i + (at[axis] + 1 < size[axis] ? 1 : 1 - size[axis]) * steps[axis];
           float square = 0;
           for (const auto& c : field.channel) {
-            const float d = c[static_cast<std::size_t>(next)] - c[static_cast<std::size_t>(i)];
+            const float d = c[next] - c[i];
             square += d * d;
           }
-          of_layer[z * n + static_cast<std::size_t>(at[axis])] += std::sqrt(square);
+          of_layer[z * n + at[axis]] += std::sqrt(square);
         }
     }
   });
   std::vector<double> sum(n, 0.0);
   for (std::size_t z = 0; z < layers; ++z)
-    for (std::size_t k = 0; k < n; ++k)
-      sum[k] += of_layer[z * n + k] * size[axis] / static_cast<double>(field.channel[0].size());
+    for (std::size_t k = 0; k < n; ++k) sum[k] += of_layer[z * n + k] * size[axis] / field.channel[0].size();
   return sum;
 }
 
 // Measures every band of slices that tile.
 void measure_all_bands(const BandStatistics& wanted, int scales, const SolidField& field, PlaneMeasures& m,
                        SliceFamily::Workspace& space, const Work& work) {
-  const int axis = m.axis, channels = static_cast<int>(field.channel.size());
+  const int axis = m.axis, channels = field.channel.size();
   const SliceFamily family(field.size, axis, scales);
   std::vector<double> have(static_cast<std::size_t>(scales) + 2, 0), want(have);
   for (int c = 0; c < channels; ++c) {
     const auto ratio = family.deviations(field.channel[c], wanted.bands[c], space, work.quiet());
     for (std::size_t b = 0; b < ratio.size(); ++b) {
-      const auto scale = static_cast<std::size_t>(family.bands()[b].scale);
+      const std::size_t scale = family.bands()[b].scale;
       const double d = wanted.bands[c][b].deviation;
-      have[scale] += ratio[b] * ratio[b] * d * d, want[scale] += d * d;
+      have[scale] += ratio[b] * ratio[b] * d * d;
+      want[scale] += d * d;
     }
   }
   for (std::size_t b = 0; b < have.size(); ++b)
@@ -113,14 +114,16 @@ void measure_all_bands(const BandStatistics& wanted, int scales, const SolidFiel
 
 // Measures the finest band of slices that need not tile, with a filter that stays within them.
 void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
-  const int channels = static_cast<int>(field.channel.size());
+  const int channels = field.channel.size();
   const double want = finest_deviation(e, channels);
   std::vector<double> of_slice(static_cast<std::size_t>(field.size[m.axis]));
   work.parallel(of_slice.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      Picture p = slice_picture(field, m.axis, static_cast<int>(k));
+      Picture p = slice_picture(field, m.axis, k);
       SolidExemplar slice;
-      slice.width = p.width, slice.height = p.height, slice.pixels = std::move(p.pixels);
+      slice.width = p.width;
+      slice.height = p.height;
+      slice.pixels = std::move(p.pixels);
       of_slice[k] = finest_deviation(slice, channels);
     }
   });
@@ -134,7 +137,7 @@ double histogram_distance(const BandStatistics& wanted, const std::vector<Quanti
   for (std::size_t c = 0; c < got.size(); ++c) {
     double sum = 0;
     for (std::size_t i = 0; i < got[c].at.size(); ++i) sum += std::abs(got[c].at[i] - wanted.values[c].at[i]);
-    mean += sum / static_cast<double>(got[c].at.size() * got.size());
+    mean += sum / (got[c].at.size() * got.size());
   }
   return mean;
 }
@@ -163,13 +166,12 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
   };
   for (PlaneMeasures& m : out) {
     const int axis = m.axis;
-    const SolidExemplar& e = working[static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)])];
+    const SolidExemplar& e = working[s.plane[static_cast<std::size_t>(axis)]];
     Image image(e.width, e.height, 1, 1);
     image.pixels = e.pixels;
     const int scales = pyramid_scales(
         std::min({e.width, e.height, field.size[kSliceColumns[axis]], field.size[kSliceRows[axis]]}));
-    const BandStatistics wanted =
-        measure_bands(image, static_cast<int>(field.channel.size()), scales, work.quiet());
+    const BandStatistics wanted = measure_bands(image, field.channel.size(), scales, work.quiet());
     const bool tiles = s.blocks == Vec3i::Ones();
     if (tiles)
       measure_all_bands(wanted, scales, field, m, space, work);
@@ -186,7 +188,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
     std::vector<double> stripes(slices.size(), 1);
     work.quiet().parallel(slices.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        const int k = static_cast<int>(i);
+        const int k = i;
         if (!compared(k) && n > 32 && k % 2) continue;
         Picture p = slice_picture(field, axis, k);
         const Eigen::Array3d h = gradients(p);
@@ -197,7 +199,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
     std::erase_if(slices, [](const Picture& p) { return p.pixels.empty(); });
     m.stripes_worst = *std::max_element(stripes.begin(), stripes.end());
     m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work.quiet()));
-    m.patches_floor = floor_of(static_cast<std::size_t>(s.plane[static_cast<std::size_t>(axis)]));
+    m.patches_floor = floor_of(static_cast<std::size_t>(s.plane[axis]));
     if (!tiles) continue;
     const auto steps = steps_across(field, axis, work.quiet());
     const double inside = std::accumulate(steps.begin(), steps.end() - 1, 0.0) / (n - 1);
@@ -220,7 +222,8 @@ std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>& fami
           same += at[1] == at[0] + 2;
         }
       const double share = static_cast<double>(same) / (static_cast<double>(f.columns - 1) * f.rows);
-      m.copied_worst = std::max(m.copied_worst, share), all += share;
+      m.copied_worst = std::max(m.copied_worst, share);
+      all += share;
     }
     m.copied = all / f.slices;
     out.push_back(std::move(m));
@@ -238,12 +241,17 @@ double coarseness(const SolidExemplar& e) {
   const auto variance = [](const std::vector<Vec3f>& v) {
     Vec3 mean = Vec3::Zero();
     double square = 0;
-    for (const auto& p : v) mean += p.cast<double>(), square += p.cast<double>().squaredNorm();
-    const double n = static_cast<double>(v.size());
+    for (const auto& p : v) {
+      mean += p.cast<double>();
+      square += p.cast<double>().squaredNorm();
+    }
+    const double n = v.size();
     return square / n - (mean / n).squaredNorm();
   };
   SolidExemplar plain;
-  plain.width = e.width, plain.height = e.height, plain.pixels = e.pixels;
+  plain.width = e.width;
+  plain.height = e.height;
+  plain.pixels = e.pixels;
   const double all = variance(e.pixels);
   return all > 0 ? variance(shrink(plain, 8, 8).pixels) / all : 0;
 }

@@ -26,8 +26,7 @@ std::optional<Wire> picture_of(const Graph& g, const NodeType& type) {
     const bool own = node.type == &type;
     downstream[i] = own;
     for (const auto& [port, wires] : node.inputs)
-      for (const auto& w : wires)
-        downstream[i] = downstream[i] || downstream[static_cast<std::size_t>(w.node)];
+      for (const auto& w : wires) downstream[i] = downstream[i] || downstream[w.node];
     if (!downstream[i]) continue;
     for (const char* kind : {"Image", "Labels"})
       for (const auto& port : node.type->outputs)
@@ -45,7 +44,7 @@ std::optional<Wire> picture_of(const Graph& g, const NodeType& type) {
 std::optional<fs::path> example_of(const NodeType& type, const fs::path& examples) {
   const auto plain = [](std::string s) {
     std::erase(s, '_');
-    for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (char& c : s) c = std::tolower(static_cast<unsigned char>(c));
     return s;
   };
   std::error_code error;
@@ -60,7 +59,8 @@ void write_picture(const Program& program, Graph graph, Wire wire, const fs::pat
                    const GraphOptions& o) {
   if (const NodeType* sheet = program.registry().find("ContactSheet")) {  // gives all pictures the same size
     GraphNode node;
-    node.path = "(sheet)", node.type = sheet;
+    node.path = "(sheet)";
+    node.type = sheet;
     node.inputs["images"] = {wire};
     node.parameters["cell"] = {std::int64_t{400}, {}, "400"};
     graph.nodes.push_back(std::move(node));

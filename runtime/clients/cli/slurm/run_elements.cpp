@@ -60,7 +60,8 @@ std::optional<int> run_elements(Session& session, const GraphOptions& o, const S
     std::size_t failed = 0;
     slurm->run(points, cancel, [&](const SweepPoint& p, const json& report) {
       const PointSummary summary = summary_of(report);
-      finished.insert(p.index), failed += summary.status != "done";
+      finished.insert(p.index);
+      failed += summary.status != "done";
       for (const auto& error : summary.errors) std::cerr << p.name() << ": error: " << error << '\n';
       if (!o.quiet)
         std::cout << fmt::format("[{}/{}] {}: {} computed, {} cached, {:.2f} s", finished.size(),

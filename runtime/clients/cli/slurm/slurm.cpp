@@ -94,7 +94,10 @@ std::optional<std::vector<Task>> queue(const std::string& prefix) {
     task.job = number_in<std::uint64_t>(cells[0]).value_or(0);
     if (const auto bar = cells[0].find('_'); bar != std::string::npos)
       task.number = number_in<std::size_t>(cells[0].substr(bar + 1));
-    task.name = cells[1], task.state = cells[2], task.node = cells[3], task.reason = cells[4];
+    task.name = cells[1];
+    task.state = cells[2];
+    task.node = cells[3];
+    task.reason = cells[4];
     out.push_back(std::move(task));
   }
   return out;
@@ -136,12 +139,15 @@ std::vector<std::string> words(const std::string& text) {
       else
         word += c;
     } else if (c == '\'' || c == '"') {
-      quote = c, inside = true;
+      quote = c;
+      inside = true;
     } else if (c == ' ' || c == '\t' || c == '\n') {
       if (inside) out.push_back(std::move(word));
-      word.clear(), inside = false;
+      word.clear();
+      inside = false;
     } else {
-      word += c, inside = true;
+      word += c;
+      inside = true;
     }
   }
   if (quote) throw Error("usage", fmt::format("--slurm \"{}\": a quote is not closed", text));

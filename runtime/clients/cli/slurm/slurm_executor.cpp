@@ -150,7 +150,9 @@ class Coordinator : public SlurmExecutor {
       const json report = read_report(out_ / point.folder / "report.json");
       if (report.is_object() && (summary_of(report).status != "done" || is_in_cache(point, report, store_)))
         continue;
-      known_[i] = false, ++lost, ++chunk_of(i).missing;
+      known_[i] = false;
+      ++lost;
+      ++chunk_of(i).missing;
     }
     if (lost == 0) return false;
     ++times_lost_;
@@ -159,7 +161,10 @@ class Coordinator : public SlurmExecutor {
     shared_done_ = needs_no_shared_ || is_shared_in_cache();
     shared_->submitted = shared_->active = false;
     for (auto& chunk : chunks_)
-      if (chunk.missing > 0) chunk.submitted = chunk.active = false, chunk.gone_since.reset();
+      if (chunk.missing > 0) {
+        chunk.submitted = chunk.active = false;
+        chunk.gone_since.reset();
+      }
     submit_missing();
     return true;
   }
@@ -185,7 +190,10 @@ class Coordinator : public SlurmExecutor {
                     jobs_.submit_chunks(numbers, chunks_.size(), !needs_no_shared_, after, exclude));
     for (const auto k : numbers) {
       SlurmJob& c = chunks_[k];
-      c.submitted = c.active = true, c.missing_before = c.missing, c.task = submitted, c.trouble.clear();
+      c.submitted = c.active = true;
+      c.missing_before = c.missing;
+      c.task = submitted;
+      c.trouble.clear();
     }
   }
 
@@ -233,12 +241,14 @@ class Coordinator : public SlurmExecutor {
       std::cerr << fmt::format("warning: {}: {}\n", event.value("host", ""), message);
     else if (what == "stopped")
       job.trouble = message;
-    else if (what == "missing")
-      job.misses_shared = true, job.trouble = "the cache lacks what all points share";
-    else if (what == "refused" && refused_.empty())
+    else if (what == "missing") {
+      job.misses_shared = true;
+      job.trouble = "the cache lacks what all points share";
+    } else if (what == "refused" && refused_.empty())
       refused_ = fmt::format("{} refuses to run the sweep: {}", event.value("host", ""), message);
     if (what != "finished" || event.value("sweep", "") != hash_.text()) return;
-    twice_ += event.value("twice", 0u), twice_seconds_ += event.value("twice_seconds", 0.0);
+    twice_ += event.value("twice", 0u);
+    twice_seconds_ += event.value("twice_seconds", 0.0);
     if (&job != shared_.get()) {
       const auto index = event.value("point", std::size_t{0});
       if (index >= 1 && index <= known_.size() && !known_[index - 1]) late_.push_back(index - 1);
@@ -326,7 +336,8 @@ class Coordinator : public SlurmExecutor {
       chunk.misses_shared = false;
       if (++chunk.times_without_shared > attempts_allowed) continue;  // its trouble; look_after() decides
       lost = true;
-      chunk.submitted = false, chunk.gone_since.reset();
+      chunk.submitted = false;
+      chunk.gone_since.reset();
     }
     if (!lost || is_shared_in_cache()) return;
     if (++shared_->attempts > attempts_allowed) {
@@ -347,8 +358,11 @@ class Coordinator : public SlurmExecutor {
     // Slurm has removed the chunks, which depend on this job.
     slurm::cancel(jobs_.chunks_name(chunks_.size()));
     ids_.clear();
-    for (auto& chunk : chunks_)
-      chunk.submitted = chunk.active = false, chunk.gone_since.reset(), chunk.task = {};
+    for (auto& chunk : chunks_) {
+      chunk.submitted = chunk.active = false;
+      chunk.gone_since.reset();
+      chunk.task = {};
+    }
   }
 
   void sleep(const std::atomic<bool>* cancel) const {

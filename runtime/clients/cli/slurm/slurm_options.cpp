@@ -68,7 +68,8 @@ void complete_slurm_options(SlurmOptions& s, const GraphOptions& o) {
       for (auto& word : slurm::words(text)) out.push_back(std::move(word));
     return out;
   };
-  s.options = words(s.written), s.coordinator_options = words(s.coordinator_written);
+  s.options = words(s.written);
+  s.coordinator_options = words(s.coordinator_written);
 }
 
 }  // namespace terrazzo::cli

@@ -40,7 +40,7 @@ class Planner {
       if (!needed[i] || node.type->writes_files) continue;
       bool same = true;
       for (const auto& [port, wires] : node.inputs)
-        for (const auto& w : wires) same = same && is_shared[static_cast<std::size_t>(w.node)];
+        for (const auto& w : wires) same = same && is_shared[w.node];
       if (!same) continue;
       std::string own = recipe(graph, node);
       const auto before = shared_.find(node.path);
@@ -65,7 +65,7 @@ class Planner {
       if (!shared) continue;
       if (!used[i]) plan.file.shared.push_back(node.path);
       for (const auto& [port, wires] : node.inputs)
-        for (const auto& w : wires) used[static_cast<std::size_t>(w.node)] = true;
+        for (const auto& w : wires) used[w.node] = true;
     }
     plan.shared_seconds = known_seconds(graph, all_shared);
     plan.point_seconds = known_seconds(graph, others);
@@ -101,8 +101,10 @@ class Planner {
     bool any = false;
     for (const auto& p : node.type->parameters)
       if (const auto it = node.parameters.find(p.name);
-          p.kind == ParameterKind::InputPath && it != node.parameters.end())
-        any = true, key += "\n" + canonical(it->second.value);
+          p.kind == ParameterKind::InputPath && it != node.parameters.end()) {
+        any = true;
+        key += "\n" + canonical(it->second.value);
+      }
     if (!any || !seen_.insert(key).second) return;
     try {
       for (const auto& f : input_files(node, session_.evaluator().hashes()).read)
@@ -172,8 +174,7 @@ std::vector<SweepPlan> plan_rounds(Session& session, const GraphOptions& o) {
     for (const auto& part : round.parts)
       targets.insert(targets.end(), part.targets.begin(), part.targets.end());
     plan.shared_seconds = planner.known_seconds(graph, upstream(graph, round.shared));
-    plan.point_seconds =
-        planner.known_seconds(graph, upstream(graph, targets)) / static_cast<double>(round.parts.size());
+    plan.point_seconds = planner.known_seconds(graph, upstream(graph, targets)) / round.parts.size();
     plan.file.shared = std::move(round.shared);
     plan.file.points = SweepPoints::of_parts(std::move(round.parts), overrides(o));
     out.push_back(std::move(plan));

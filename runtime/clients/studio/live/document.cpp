@@ -88,7 +88,8 @@ void Document::show(Version v) {
   now_ = std::move(v);
   keep_arrangement();
   if (same) return;
-  ++revision_, read_.reset();
+  ++revision_;
+  read_.reset();
   keep_beside();
 }
 
@@ -213,9 +214,13 @@ void Document::save_as(const fs::path& file, const std::string& text) {
   file_ = fs::absolute(place.path()).lexically_normal();
   own_ = UnsavedCopy(file_);
   left_.reset();  // what an earlier session left stays beside the other file
-  now_.text = shared(text), disk_ = text;
+  now_.text = shared(text);
+  disk_ = text;
   recovered_.clear(), trouble_.clear(), arrangement_trouble_.clear();
-  read_only_ = false, group_.clear(), ++revision_, read_.reset();
+  read_only_ = false;
+  group_.clear();
+  ++revision_;
+  read_.reset();
   arrangement_on_disk_ = read_arrangement(file_).value_or("");
   keep_arrangement();
 }

@@ -62,8 +62,7 @@ void add_bypassed(json& document, const Graph& graph, const std::string& prefix)
       if (!is_named(path, prefix + n["name"].get<std::string>())) continue;
       for (const auto& [port, wire] : passed)
         if (!inner.contains(port))  // the first element's
-          inner[port] = {{"path", graph.nodes[static_cast<std::size_t>(wire.node)].path},
-                         {"port", wire.port}};
+          inner[port] = {{"path", graph.nodes[wire.node].path}, {"port", wire.port}};
     }
     n["inner"] = inner;
   }

@@ -94,7 +94,8 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   if (!discard) require_saved();
   const std::lock_guard lock(mutex_);
   for (const auto& r : running_) {
-    r->watcher->current = false, r->watcher->left = true;
+    r->watcher->current = false;
+    r->watcher->left = true;
     r->evaluation->cancel();
   }
   then_.clear();
@@ -102,7 +103,9 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   document_.look_for_left();  // of the former one, if it has the same file
   overrides_ = {};            // they belong to the graph of the command line
   states_.clear(), past_.clear();
-  disk_changed_ = false, seconds_ = 0, trouble_.clear();
+  disk_changed_ = false;
+  seconds_ = 0;
+  trouble_.clear();
   if (live) live_ = *live;
   document_changed();
 }
@@ -111,11 +114,11 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
 std::vector<std::string> LiveGraph::safe_targets(const Graph& graph) {
   std::vector<std::string> out;
   for (const int i : graph.sinks()) {
-    const GraphNode& node = graph.nodes[static_cast<std::size_t>(i)];
+    const GraphNode& node = graph.nodes[i];
     if (!node.type->writes_files) out.push_back(node.path);
     for (const auto& [port, wires] : node.inputs)
       for (const auto& w : wires)
-        if (node.type->writes_files) out.push_back(graph.nodes[static_cast<std::size_t>(w.node)].path);
+        if (node.type->writes_files) out.push_back(graph.nodes[w.node].path);
   }
   return out;
 }
@@ -145,13 +148,14 @@ void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first)
   auto& e = session_.evaluator();
   const Plan plan = plan_run(*graph, options, e.store(), e.hashes(), session_.history());
   apply_plan(states_, *graph, plan, true);
-  seconds_ = 0, then_.clear();
+  seconds_ = 0;
+  then_.clear();
   const int shown = shown_first ? graph->find(shown_) : -1;
   const auto runs = [&](int i) {
-    const auto step = plan.nodes[static_cast<std::size_t>(i)].step;
+    const auto step = plan.nodes[i].step;
     return step != Plan::Step::Cached && step != Plan::Step::Unneeded;
   };
-  if (shown >= 0 && runs(shown) && !graph->nodes[static_cast<std::size_t>(shown)].type->writes_files) {
+  if (shown >= 0 && runs(shown) && !graph->nodes[shown].type->writes_files) {
     begin({shown_}, false);
     then_ = targets;
   } else {
@@ -194,7 +198,7 @@ void LiveGraph::cancel(const std::string& node) {
     if (node.empty()) r->evaluation->cancel();
     const auto& nodes = r->evaluation->graph().nodes;
     for (std::size_t i = 0; i < nodes.size() && !node.empty(); ++i)
-      if (is_named(nodes[i].path, node)) r->evaluation->cancel_node(static_cast<int>(i));
+      if (is_named(nodes[i].path, node)) r->evaluation->cancel_node(i);
   }
 }
 
@@ -231,7 +235,8 @@ void LiveGraph::note_end() {
   end_expected_ = false;
   try {
     const RunResult& r = running_.back()->evaluation->wait();
-    seconds_ += r.seconds, trouble_ = r.trouble;
+    seconds_ += r.seconds;
+    trouble_ = r.trouble;
   } catch (const std::exception& e) {
     trouble_ = exception_text(e);
   }

@@ -38,8 +38,10 @@ json LiveGraph::document_json() const {
                                           ""}));
   out["file"] = document_.file().string();
   out["text"] = document_.text();
-  out["saved"] = document_.saved(), out["read_only"] = document_.read_only();
-  out["can_undo"] = document_.can_undo(), out["can_redo"] = document_.can_redo();
+  out["saved"] = document_.saved();
+  out["read_only"] = document_.read_only();
+  out["can_undo"] = document_.can_undo();
+  out["can_redo"] = document_.can_redo();
   out["recovered"] = document_.recovered();
   out["trouble"] = document_.trouble();
   out["disk_changed"] = disk_changed_;

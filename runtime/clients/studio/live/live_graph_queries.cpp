@@ -71,7 +71,8 @@ json LiveGraph::subgraph(const std::string& path) {
   }
   json out = json_of(doc, registry_);
   if (valid_) add_bypassed(out, *session_.graph(), path + "/");
-  out["file"] = doc.file.string(), out["text"] = shown;
+  out["file"] = doc.file.string();
+  out["text"] = shown;
   return out;
 }
 

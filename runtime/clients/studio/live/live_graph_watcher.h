@@ -35,7 +35,9 @@ struct LiveGraph::Watcher : Observer {
     const std::lock_guard lock(owner.mutex_);
     NodeState* s = pending(node);
     if (!s) return;
-    s->state = "running", s->progress = 0, s->note.clear();
+    s->state = "running";
+    s->progress = 0;
+    s->note.clear();
     owner.tell_node(path(node));
   }
 
@@ -43,12 +45,14 @@ struct LiveGraph::Watcher : Observer {
     const std::lock_guard lock(owner.mutex_);
     NodeState* s = pending(node);
     if (!s) return;
-    s->state = "running", s->progress = fraction;
+    s->state = "running";
+    s->progress = fraction;
     if (!note.empty()) s->note = note;
     if (owner.large_) return;  // no page shows it
     const auto now = std::chrono::steady_clock::now();
     if (now - s->told < std::chrono::milliseconds(100)) return;
-    s->told = now, s->told_state = 0;
+    s->told = now;
+    s->told_state = 0;
     owner.events_.add("progress",
                       json_text({{"path", path(node)}, {"progress", s->progress}, {"note", s->note}}));
   }
@@ -78,7 +82,9 @@ struct LiveGraph::Watcher : Observer {
     const auto word = words.find(r.status);
     s.state = word == words.end() ? "stale" : word->second;
     s.seconds = r.status == Status::Computed ? r.seconds : r.cached_seconds;
-    s.progress = 0, s.note.clear(), s.previews.clear();
+    s.progress = 0;
+    s.note.clear();
+    s.previews.clear();
     if (r.status == Status::Cancelled || r.status == Status::Skipped)
       s.result.error.reset();  // keeps the outputs of the run before
     else

@@ -43,13 +43,20 @@ void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool r
     const auto before = states.find(path);
     NodeState s = before == states.end() ? NodeState{} : std::move(before->second);
     const Plan::Node& p = plan.nodes[i];
-    s.expected = p.seconds, s.progress = 0, s.note.clear();
+    s.expected = p.seconds;
+    s.progress = 0;
+    s.note.clear();
     if (p.step == Plan::Step::Cached) {
-      s.state = "cached", s.seconds = p.seconds, s.previews.clear();
+      s.state = "cached";
+      s.seconds = p.seconds;
+      s.previews.clear();
     } else if (p.step == Plan::Step::Unneeded) {
-      s.state = "stale", s.reasons.clear(), s.previews.clear();
+      s.state = "stale";
+      s.reasons.clear();
+      s.previews.clear();
     } else {
-      s.state = running ? "waiting" : "stale", s.reasons = p.reasons;
+      s.state = running ? "waiting" : "stale";
+      s.reasons = p.reasons;
       s.result.error.reset();
       if (!running) s.previews.clear();
     }

@@ -62,7 +62,8 @@ void PastStates::add(const std::string& text, const NodeStates& nodes) {
   for (const auto& [path, n] : nodes)
     if (n.state == "cached" || n.state == "computed") s.nodes[path] = n.result;
   if (!states_.empty() && states_.back().text == text) {
-    s.number = states_.back().number, s.changed = states_.back().changed;
+    s.number = states_.back().number;
+    s.changed = states_.back().changed;
     states_.back() = std::move(s);
     return;
   }
@@ -76,7 +77,10 @@ void PastStates::add(const std::string& text, const NodeStates& nodes) {
   }
 }
 
-void PastStates::clear() { states_.clear(), bytes_ = 0; }
+void PastStates::clear() {
+  states_.clear();
+  bytes_ = 0;
+}
 
 json PastStates::list() const {
   json out = json::array();

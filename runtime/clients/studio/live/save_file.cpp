@@ -124,19 +124,25 @@ SaveFile::~SaveFile() {
 void SaveFile::take_next_number() {
   int number = 1;
   while (!create(with_number(name_, number))) ++number;
-  path_ = with_number(name_, number), left_.clear(), claimed_ = true;
+  path_ = with_number(name_, number);
+  left_.clear();
+  claimed_ = true;
 }
 
 bool SaveFile::write(const std::function<std::string(const fs::path&)>& text) {
   std::error_code error;
   // If the file was removed, create it again.
   const bool gone = !fs::exists(fs::symlink_status(path_, error));
-  if (gone && create(path_)) left_.clear(), claimed_ = true;
+  if (gone && create(path_)) {
+    left_.clear();
+    claimed_ = true;
+  }
   const bool changed = read_file(path_) != left_;
   if (changed) take_next_number();
   std::string now = text(path_);
   save_text(path_, now);
-  left_ = std::move(now), claimed_ = false;
+  left_ = std::move(now);
+  claimed_ = false;
   return changed;
 }
 

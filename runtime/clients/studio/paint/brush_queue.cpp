@@ -36,7 +36,8 @@ void BrushQueue::begin_stroke(double radius) {
   rethrow();
   painting_.check_nib(radius);
   add({Step::Begin, radius, {}, {}});
-  open_ = first_ = true, radius_ = radius;
+  open_ = first_ = true;
+  radius_ = radius;
 }
 
 void BrushQueue::extend_stroke(const Vec2& point) {
@@ -44,7 +45,8 @@ void BrushQueue::extend_stroke(const Vec2& point) {
   if (!open_) throw Error("no-stroke", "no stroke has begun");
   check_stroke({{{point}}, radius_, false});
   auto pixels = capsule(shown_.width, shown_.height, first_ ? point : last_, point, radius_);
-  first_ = false, last_ = point;
+  first_ = false;
+  last_ = point;
   add({Step::Point, 0, point, std::move(pixels)});
 }
 
@@ -110,7 +112,9 @@ void BrushQueue::run() {
     }
     lock.lock();
     if (error) {
-      error_ = error, steps_.clear(), points_ = 0;
+      error_ = error;
+      steps_.clear();
+      points_ = 0;
     } else {
       for (const auto p : step.pixels) shown_.pixels[p] = painting_.picture().pixels[p];
       touch(step.pixels);
@@ -201,8 +205,7 @@ bool BrushQueue::undo() {
   for (auto s = waiting; s != steps_.end(); ++s)
     if (s->kind == Step::Begin) begin = s;
   if (begin != steps_.end()) {
-    points_ -= static_cast<std::size_t>(
-        std::count_if(begin, steps_.end(), [](const Step& s) { return s.kind == Step::Point; }));
+    points_ -= (std::count_if(begin, steps_.end(), [](const Step& s) { return s.kind == Step::Point; }));
     steps_.erase(begin, steps_.end());
     settle(lock);  // earlier strokes are painted
     refresh();

@@ -40,9 +40,12 @@ std::string bytes_of(const Image& image, const Rectangle& r) {
 NibChoice choice_of(const json& j) {
   NibChoice c;
   c.region = j.at("region").get<std::vector<double>>();
-  c.levels = j.value("levels", c.levels), c.extent = j.value("extent", c.extent);
-  c.scales = j.value("scales", c.scales), c.passes = j.value("passes", c.passes);
-  c.finish = j.value("finish", c.finish), c.seed = j.value("seed", c.seed);
+  c.levels = j.value("levels", c.levels);
+  c.extent = j.value("extent", c.extent);
+  c.scales = j.value("scales", c.scales);
+  c.passes = j.value("passes", c.passes);
+  c.finish = j.value("finish", c.finish);
+  c.seed = j.value("seed", c.seed);
   if (j.contains("threshold") && !j["threshold"].is_null()) c.threshold = j["threshold"].get<double>();
   return c;
 }

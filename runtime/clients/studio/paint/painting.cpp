@@ -60,7 +60,10 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
                 "choose levels, colors or patches")
         .parameter("finish");
   texture_nib::NibSettings s;
-  s.levels = c.levels, s.extent = c.extent, s.scales = c.scales, s.seed = c.seed;
+  s.levels = c.levels;
+  s.extent = c.extent;
+  s.scales = c.scales;
+  s.seed = c.seed;
   if (c.threshold) s.threshold = *c.threshold;
   const auto region = texture_nib::region_mask(c.region, layer.base.width, layer.base.height);
   return {

@@ -24,8 +24,7 @@ std::string random_token() {
 bool equal(const std::string& a, const std::string& b) {
   if (a.size() != b.size()) return false;
   volatile unsigned char difference = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    difference = static_cast<unsigned char>(difference | (a[i] ^ b[i]));
+  for (std::size_t i = 0; i < a.size(); ++i) difference = difference | (a[i] ^ b[i]);
   return difference == 0;
 }
 

@@ -50,7 +50,8 @@ ConnectionStream::ConnectionStream(Connections& connections, Connections::Handle
       read_until_(Clock::now() + limits.read) {}
 
 void ConnectionStream::expect_body(std::size_t bytes) {
-  in_body_ = true, left_ = std::min(bytes, limits_.body);
+  in_body_ = true;
+  left_ = std::min(bytes, limits_.body);
   if (limits_.slowest > 0) read_until_ += std::chrono::milliseconds(1000 * left_ / limits_.slowest);
   if (left_ == 0) connections_.set_waiting(handle_, false);
 }
@@ -73,13 +74,15 @@ ssize_t ConnectionStream::read(char* to, std::size_t size) {
     const ssize_t n = ::recv(handle_->socket, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
     if (n < 0 && (errno == EAGAIN || errno == EINTR)) return read(to, size);
     if (n <= 0) return n;
-    at_ = 0, filled_ = static_cast<std::size_t>(n);
+    at_ = 0;
+    filled_ = n;
   }
   const std::size_t n = std::min({size, filled_ - at_, left_});
   std::memcpy(to, buffer_.data() + at_, n);
-  at_ += n, left_ -= n;
+  at_ += n;
+  left_ -= n;
   if (in_body_ && left_ == 0) connections_.set_waiting(handle_, false);
-  return static_cast<ssize_t>(n);
+  return n;
 }
 
 bool ConnectionStream::is_writable() const {

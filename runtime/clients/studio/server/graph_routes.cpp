@@ -42,8 +42,11 @@ Edit edit_of(const json& j) {
     throw Error("bad-request", "there is no edit '" + j["op"].get<std::string>() + "'");
   Edit e;
   e.kind = kind->second;
-  e.node = j.value("node", ""), e.name = j.value("name", ""), e.to = j.value("to", "");
-  e.type = j.value("type", ""), e.graph = j.value("graph", "");
+  e.node = j.value("node", "");
+  e.name = j.value("name", "");
+  e.to = j.value("to", "");
+  e.type = j.value("type", "");
+  e.graph = j.value("graph", "");
   e.index = j.value("index", std::size_t{0});
   e.bypass = j.value("bypass", false);
   if (j.contains("value")) e.value = written_value(j["value"]);

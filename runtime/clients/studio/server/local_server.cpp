@@ -60,8 +60,14 @@ LocalServer::LocalServer(std::string command, std::string stream, std::size_t bo
   http_.set_error_handler([](const httplib::Request& in, httplib::Response& out) {
     if (!out.body.empty()) return;
     Diagnostic d{Severity::Error, "bad-request", "the request is malformed or too slow", "", {}, "", ""};
-    if (out.status == 413) d.code = "too-large", d.message = "the request is too large";
-    if (out.status == 404) d.code = "not-found", d.message = "there is nothing at " + in.path;
+    if (out.status == 413) {
+      d.code = "too-large";
+      d.message = "the request is too large";
+    }
+    if (out.status == 404) {
+      d.code = "not-found";
+      d.message = "there is nothing at " + in.path;
+    }
     refuse(out, out.status, d);
   });
 }

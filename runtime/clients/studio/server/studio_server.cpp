@@ -59,7 +59,10 @@ struct StudioServer::Impl {
     };
     const auto client = std::make_shared<Client>(streams);
     const std::string last = in.get_header_value("Last-Event-ID");
-    if (const auto seen = number_in_text<std::uint64_t>(last)) client->seen = *seen, client->resumed = true;
+    if (const auto seen = number_in_text<std::uint64_t>(last)) {
+      client->seen = *seen;
+      client->resumed = true;
+    }
     out.set_chunked_content_provider(
         "text/event-stream", [this, client](std::size_t, httplib::DataSink& sink) {
           if (server.http().ended()) return false;
@@ -72,7 +75,8 @@ struct StudioServer::Impl {
           }
           if (!events) {
             const json state = live.state();
-            client->seen = state.at("number"), client->resumed = true;
+            client->seen = state.at("number");
+            client->resumed = true;
             return send(event_text(client->seen, "state", json_text(state)));
           }
           if (events->empty()) return send(":\n\n");  // finds out whether the client is still there

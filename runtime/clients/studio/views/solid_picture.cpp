@@ -31,8 +31,8 @@ Particles side_by_side(const Shapes& shapes) {
   const double cell = 2.1 * radius;
   out.box = cell * Vec3(static_cast<double>(columns), static_cast<double>(rows), 1);
   for (std::size_t i = 0; i < out.count(); ++i) {
-    out.shape[i] = static_cast<std::int32_t>(i);
-    const auto column = static_cast<double>(i % columns), row = static_cast<double>(rows - 1 - i / columns);
+    out.shape[i] = i;
+    const double column = i % columns, row = rows - 1 - i / columns;
     out.position[i] = cell * Vec3(column + 0.5, row + 0.5, 0.5);
   }
   return out;
@@ -40,7 +40,7 @@ Particles side_by_side(const Shapes& shapes) {
 
 Image rendered(const carving::Solid& solid, double azimuth) {
   const render_solid::RenderSettings settings{.width = 640, .height = 480, .samples = 8};
-  const auto at = static_cast<float>(azimuth * std::numbers::pi / 180);
+  const float at = azimuth * std::numbers::pi / 180;
   render_solid::Studio::Settings light;
   light.lamp_azimuth = at - 0.95f;  // to the camera's left, as in RenderSolid
   Image out = render(solid, render_solid::Studio(light),

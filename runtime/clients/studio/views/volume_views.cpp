@@ -76,7 +76,10 @@ json volume_head(const Volume& volume) {
       double lo = static_cast<double>(grid->background()), hi = lo;
       for (auto it = grid->cbeginValueOn(); it; ++it) {
         const auto v = static_cast<double>(*it);
-        if (std::isfinite(v)) lo = std::min(lo, v), hi = std::max(hi, v);
+        if (std::isfinite(v)) {
+          lo = std::min(lo, v);
+          hi = std::max(hi, v);
+        }
       }
       j["range"] = {lo, hi};
     };
@@ -91,20 +94,21 @@ json volume_head(const Volume& volume) {
 std::string slice_view(const Volume& volume, const Slice& s, int most) {
   const VoxelBox box = voxel_box(volume);
   const int u = std::clamp(s.axis, 0, 2);
-  const int a = kSliceColumns[static_cast<std::size_t>(u)], b = kSliceRows[static_cast<std::size_t>(u)];
+  const int a = kSliceColumns[u], b = kSliceRows[u];
   const int width = box.size[a], height = box.size[b];
   const int factor = std::max(1, (std::max(width, height) + most - 1) / most);
   const int index = std::clamp(s.index, 0, box.size[u] - 1);
   std::string out;
   for (const int v :
        {(width + factor - 1) / factor, (height + factor - 1) / factor, box.size[u], width, height})
-    append(out, static_cast<std::uint32_t>(v));
+    append(out, v);
   with_colors(grid_of(volume, s.grid), s.lo, s.hi, [&](auto&& color, bool) {
     Eigen::Vector3i at;
     at[u] = box.first[u] + index;
     for (int y = 0; y < height; y += factor)
       for (int x = 0; x < width; x += factor) {
-        at[a] = box.first[a] + x, at[b] = box.first[b] + height - 1 - y;
+        at[a] = box.first[a] + x;
+        at[b] = box.first[b] + height - 1 - y;
         append(out, color(openvdb::Coord(at[0], at[1], at[2])));
       }
   });
@@ -117,8 +121,8 @@ std::string voxels_view(const Volume& volume, const Slice& s, int most) {
   most = std::min(most, kMost);
   const int factor = std::max(1, (box.size.maxCoeff() + most - 1) / most);
   std::string out;
-  for (int k = 0; k < 3; ++k) append(out, static_cast<std::uint32_t>((box.size[k] + factor - 1) / factor));
-  append(out, static_cast<std::uint32_t>(factor));
+  for (int k = 0; k < 3; ++k) append(out, (box.size[k] + factor - 1) / factor);
+  append(out, factor);
   const auto& grid = grid_of(volume, s.grid);
   const auto material = coverage(volume);
   with_colors(grid, s.lo, s.hi, [&](auto&& color, bool quantity) {

@@ -94,8 +94,11 @@ class Decoder : public PictureDecoder {
   void take_header() {
     const OIIO::ImageSpec& s = in_->spec();
     header_ = {};
-    header_.width = s.width, header_.height = s.height, header_.depth = s.depth;
-    header_.tile_width = s.tile_width, header_.tile_height = s.tile_height;
+    header_.width = s.width;
+    header_.height = s.height;
+    header_.depth = s.depth;
+    header_.tile_width = s.tile_width;
+    header_.tile_height = s.tile_height;
     for (int i = 0; i < s.nchannels; ++i) header_.channels.emplace_back(s.channel_name(i));
     header_.alpha = s.alpha_channel;
     header_.sample = sample_of(s.format);
