@@ -98,7 +98,7 @@ EbsdMap read_ang(std::string_view text, const std::string& file, std::uint64_t m
       lines.malformed("a line of a header below points; a file may have one map");
     reader.read(cells, points);
   }
-  if (points.points.empty()) lines.unreadable("it has no points");
+  if (points.points.empty()) lines.unreadable("it has no points", "export the map again, with its points");
   std::vector<Phase> phases;
   for (const auto& entry : header.phases) phases.push_back(entry.second);
   const Grid grid = find_grid(points, header.grid, memory, lines);

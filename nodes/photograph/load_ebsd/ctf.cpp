@@ -137,7 +137,7 @@ EbsdMap read_ctf(std::string_view text, const std::string& file, std::uint64_t m
     }
     points.add(read_point(v, h.phases.size(), lines), cells[x], cells[y], 1, lines);
   }
-  if (points.points.empty()) lines.unreadable("it has no points");
+  if (points.points.empty()) lines.unreadable("it has no points", "export the map again, with its points");
   const Grid grid = find_grid(points, h.grid, memory, lines);
   return rasterize(grid, points, std::move(h.phases), memory, lines);
 }

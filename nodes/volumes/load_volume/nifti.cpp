@@ -49,7 +49,13 @@ std::optional<NumberType> nifti_number(int type) {
 
 struct Header {
   explicit Header(const std::filesystem::path& path)
-      : bytes(nifti_read_header(path.c_str(), &version, 0), free) {}
+      : bytes(nifti_read_header(path.c_str(), &version, 0), free) {
+    // Without its checks, the library leaves the header in the byte order of the file.
+    if (!bytes || (version != 1 && version != 2)) return;
+    std::int32_t size = 0;
+    std::memcpy(&size, bytes.get(), sizeof size);
+    if (size != (version == 2 ? 540 : 348)) swap_nifti_header(bytes.get(), version);
+  }
   int version = 0;
   std::unique_ptr<void, void (*)(void*)> bytes;
 };

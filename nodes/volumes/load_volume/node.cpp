@@ -107,7 +107,7 @@ std::string place_of_voxel(const LoadedScan& scan, std::size_t i) {
 }
 
 // The rescaled numbers as floats, in `values`.
-void make_floats(LoadedScan& scan, const Rescale& rescale, const Work& work) {
+void make_floats(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
   const std::size_t count = scan.count();
   std::vector<float> out(scan.whole.empty() ? 0 : count);
   std::vector<float>& to = scan.whole.empty() ? scan.values : out;
@@ -119,15 +119,15 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const Work& work) {
     if (!std::isfinite(to[i]) && bad++ == 0) first = i;
     if (!scan.whole.empty() && rescale.none() && double{to[i]} != v)
       throw Error("bad-values",
-                  fmt::format("voxel {} has the value {}; a grid of floats holds whole numbers up to 2^24 = "
-                              "16777216 without loss",
-                              place_of_voxel(scan, i), scan.whole[i]),
+                  fmt::format("'{}': voxel {} has the value {}; a grid of floats holds whole numbers up to "
+                              "2^24 = 16777216 without loss",
+                              path, place_of_voxel(scan, i), scan.whole[i]),
                   "set grid: id for labels, or slope to make the numbers smaller")
           .parameter("path");
   }
   if (bad > 0)
     throw Error("bad-values",
-                fmt::format("{} of {} voxels are NaN or infinite, the first at {}", bad, count,
+                fmt::format("{} of {} voxels of '{}' are NaN or infinite, the first at {}", bad, count, path,
                             place_of_voxel(scan, first)),
                 "replace those voxels")
         .parameter("path");
@@ -137,11 +137,14 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const Work& work) {
 }
 
 // The rescaled numbers as particle indices, in `whole`.
-void make_ids(LoadedScan& scan, const Rescale& rescale, const Work& work) {
+void make_ids(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
   if (scan.is_lossy)
-    throw Error("lossy-mask",
-                "the slices are compressed with losses (JPEG), which changes the indices of particles",
-                "save them as PNG or TIFF in the program that made them")
+    throw Error(
+        "lossy-mask",
+        fmt::format("'{}': the slices are compressed with losses (JPEG), which changes the indices of "
+                    "particles",
+                    path),
+        "save them as PNG or TIFF in the program that made them")
         .parameter("path");
   // Numbers that were stored as floats may have been rounded when they were written.
   const double most = scan.whole.empty() ? 16777216.0 : 2147483647.0;
@@ -153,8 +156,8 @@ void make_ids(LoadedScan& scan, const Rescale& rescale, const Work& work) {
     const double v = rescale.slope * scan.stored(i) + rescale.intercept;
     if (v != std::nearbyint(v) || !(std::abs(v) <= most))
       throw Error("bad-labels",
-                  fmt::format("the grid id contains {} at voxel {}; it holds whole numbers up to {}", v,
-                              place_of_voxel(scan, i),
+                  fmt::format("'{}' contains {} at voxel {}; the grid id holds whole numbers up to {}", path,
+                              v, place_of_voxel(scan, i),
                               scan.whole.empty() ? "2^24 from files that store floats" : "2^31 − 1"),
                   "set grid to another name, or slope and intercept so that values are whole")
           .parameter("grid");
@@ -204,12 +207,12 @@ void compute(Context& c) {
   Volume volume;
   volume.extent = scan.size;
   if (name == "id") {
-    make_ids(scan, rescale, c.work());
+    make_ids(scan, rescale, files[0].string(), c.work());
     report_range(c, scan.whole);
     add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1),
                 [&](std::size_t i) { return scan.whole[i]; });
   } else {
-    make_floats(scan, rescale, c.work());
+    make_floats(scan, rescale, files[0].string(), c.work());
     report_range(c, scan.values);
     add_number_grid(volume, name.empty() ? "density" : name, scan.size, spacing, c.work().part(0.7, 1),
                     [&](std::size_t i) { return scan.values[i]; });

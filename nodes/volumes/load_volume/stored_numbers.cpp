@@ -216,7 +216,13 @@ std::filesystem::path file_beside(const std::filesystem::path& header, const std
                 fmt::format("'{}' names the data file '{}', which is not in its folder", header.string(),
                             printable(name)),
                 "move the data file beside the header, and name it there without a folder");
-  return header.parent_path() / data;
+  const std::filesystem::path path = header.parent_path() / data;
+  if (std::error_code error; !std::filesystem::exists(path, error) && !error)
+    throw Error(
+        "unreadable-file",
+        fmt::format("'{}' names the data file '{}', which does not exist", header.string(), printable(name)),
+        "copy the data file beside the header");
+  return path;
 }
 
 }  // namespace terrazzo::load_volume

@@ -51,9 +51,8 @@ void Hdf5Input::read_type(const Message& m, Hdf5Array& out) const {
   out.kind = Hdf5Kind::Other;
   if (out.bytes == 0 || out.bytes > content_.size())
     hdf5_damaged("a type of the HDF5 file has an impossible size");
-  const bool little = (bits & 1) == 0;
-  const bool plain =
-      m.size >= 12 && little && number(m.at + 8, 2) == 0 && number(m.at + 10, 2) == 8 * out.bytes;
+  const bool plain = m.size >= 12 && number(m.at + 8, 2) == 0 && number(m.at + 10, 2) == 8 * out.bytes;
+  out.big_endian = type <= 1 && bits & 1;
   if (type == 0 && plain && (out.bytes == 1 || out.bytes == 2 || out.bytes == 4 || out.bytes == 8))
     out.kind = bits & 8 ? Hdf5Kind::Signed : Hdf5Kind::Unsigned;
   // IEEE 754: the exponent begins at bit 23 or 52
@@ -62,6 +61,12 @@ void Hdf5Input::read_type(const Message& m, Hdf5Array& out) const {
     out.kind = Hdf5Kind::Float;
   else if (type == 3)
     out.kind = Hdf5Kind::Text;
+}
+
+void Hdf5Input::turn_bytes(const Hdf5Array& array, std::string& elements) {
+  if (!array.big_endian) return;
+  for (std::size_t at = 0; at + array.bytes <= elements.size(); at += array.bytes)
+    std::reverse(elements.data() + at, elements.data() + at + array.bytes);
 }
 
 void Hdf5Input::read_filters(const Message& m, Layout& out) const {
@@ -180,7 +185,9 @@ std::string Hdf5Input::read(Address dataset) const {
   const std::uint64_t bytes = l.array.count() * l.array.bytes;
   if (l.kind == Layout::Kind::Together) {
     if (l.size < bytes) hdf5_damaged("a dataset of the HDF5 file is shorter than its size");
-    return content_.substr(l.at, bytes);
+    std::string out = content_.substr(l.at, bytes);
+    turn_bytes(l.array, out);
+    return out;
   }
   // The data of a file compressed by zlib are at most 1032 times as long as the file.
   if (bytes / 2000 > content_.size())
@@ -196,6 +203,7 @@ std::string Hdf5Input::read(Address dataset) const {
     visit_tree_2(l, out);
   else
     visit_array(l, out);
+  turn_bytes(l.array, out);
   return out;
 }
 

@@ -246,6 +246,7 @@ bool Hdf5Input::attribute(Address object, const std::string& name, Hdf5Array& ar
     const std::uint64_t size = array.count() * array.bytes;
     if (size > m.at + m.size - data) hdf5_damaged("an attribute of the HDF5 file is too short");
     bytes = content_.substr(data, size);
+    turn_bytes(array, bytes);
     return true;
   }
   return false;

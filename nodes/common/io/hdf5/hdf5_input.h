@@ -22,6 +22,7 @@ enum class Hdf5Kind {
 struct Hdf5Array {
   Hdf5Kind kind = Hdf5Kind::Other;
   std::size_t bytes = 0;            // of an element
+  bool big_endian = false;          // in the file
   std::vector<std::uint64_t> size;  // elements along each axis; empty for a single one
   std::uint64_t count() const;      // elements
 };
@@ -45,7 +46,7 @@ class Hdf5Input {
   Hdf5Array array(Address dataset) const;
   // Its elements, little-endian. Bytes that were never written are 0. The caller checks the memory before.
   std::string read(Address dataset) const;
-  // Elements of an attribute; false if there is none.
+  // Elements of an attribute, little-endian; false if there is none.
   bool attribute(Address object, const std::string& name, Hdf5Array&, std::string& bytes) const;
 
  private:
@@ -76,6 +77,7 @@ class Hdf5Input {
   // Of a tree of version 2.
   Records records(Address tree) const;
   void read_type(const Message&, Hdf5Array&) const;
+  static void turn_bytes(const Hdf5Array&, std::string& elements);
   void read_space(const Message&, Hdf5Array&, std::vector<std::uint64_t>* most = nullptr) const;
   Layout layout(Address dataset) const;
   void read_filters(const Message&, Layout&) const;
