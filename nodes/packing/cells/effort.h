@@ -4,7 +4,7 @@
 
 namespace terrazzo::tessellation {
 
-// Unit: a test of a vertex against a plane, about a nanosecond of one core. Loops that could go on for long
+// Unit: about a nanosecond of one core. Loops that could go on for long
 // end with what they have once the effort is spent; each still takes its first step.
 struct Effort {
   double limit = 1e300;

@@ -25,7 +25,11 @@ constexpr std::uint64_t kAxes = 0x61786573;
 constexpr int kWantedSections = 12000;  // of all shapes together, for the profiles that are wanted
 constexpr double kFilm = 0.45;          // largest share of the binder that is film between sharp particles
 constexpr int kShownSections = 30000;   // of all particles together
-constexpr double kPackedSteps = 600 * 2500;  // of packing before growth, times particles
+// Steps of packing before growth, times particles, and the fewest steps.
+constexpr double kPackedSteps = 600 * 2500, kFewestSteps = 60;
+// Effort of a contact test, and of a triangle of the result that is added, sectioned once and measured.
+constexpr double kContactTest = 60, kSphereTest = 6, kAdd = 600, kSection = 15, kMeasure = 2200;
+constexpr double kCutTriangles = 2.7;  // triangles after growth, for each before
 
 // A crystal whose z axis is within a normal distribution of tilts about the box's z axis.
 Quat fiber_rotation(Random& r, double spread) {
@@ -57,8 +61,9 @@ class Filler {
   std::vector<packing::ContactShape> contact_;  // of the shapes that were needed so far
   GrowthShapes growing_;
   Effort effort_;
-  bool complete_ = false;  // whether result_ has all particles and shapes
-  bool packed_ = false;    // whether the particles of population_ are packed
+  bool ended_early_ = false;  // the last filling, since the effort was spent
+  bool complete_ = false;     // whether result_ has all particles and shapes
+  bool packed_ = false;       // whether the particles of population_ are packed
 
   void populate(const Work& work);
   void fill(const Work& work);
@@ -69,7 +74,8 @@ class Filler {
   void add(std::vector<Mesh>& meshes, const Work& work);
   void measure_sizes(const Work& work);
   void correct_sizes(const Particles& first, const std::vector<int>& first_class, const Work& work);
-  Eigen::MatrixXd shown(const Work& work) const;
+  Eigen::MatrixXd shown(const Work& work);
+  std::size_t triangles() const;  // of the result
 };
 
 void Filler::populate(const Work& work) {
@@ -108,18 +114,22 @@ void Filler::add(std::vector<Mesh>& meshes, const Work& work) {
       Shape& s = result_.shapes.shapes[i];
       s.name = fmt::format("grain {}", i + 1);
       s.probability = 1.0 / static_cast<double>(meshes.size());
-      s.volume = mesh_volume(mesh), s.surface_area = mesh_surface_area(mesh);
+      s.volume = mesh_volume(mesh);
+      s.surface_area = mesh_surface_area(mesh);
       s.mean_caliper = mesh_mean_caliper(mesh);
       s.smooth = !placed && shapes_.shapes[from.shape[i]].smooth;
       s.mesh = std::move(mesh);
-      p.shape[i] = static_cast<std::int32_t>(i), p.scale[i] = 1;
+      p.shape[i] = static_cast<std::int32_t>(i);
+      p.scale[i] = 1;
     }
   });
   complete_ = true;
+  effort_.used += kAdd * static_cast<double>(triangles());
 }
 
 // Measures that only the result needs.
 void Filler::measure_sizes(const Work& work) {
+  effort_.used += kMeasure * static_cast<double>(triangles());
   work.parallel(result_.shapes.shapes.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Shape& s = result_.shapes.shapes[i];
@@ -132,7 +142,10 @@ void Filler::measure_sizes(const Work& work) {
 void Filler::fill_by_laguerre(const Work& work) {
   Grains grains =
       laguerre_grains(population_.particles.box, result_.wanted, options_.grains, effort_, work.part(0, 0.8));
-  result_.gap = grains.gap, result_.faces = grains.faces, result_.roundness = grains.roundness;
+  ended_early_ = effort_.spent();
+  result_.gap = grains.gap;
+  result_.faces = grains.faces;
+  result_.roundness = grains.roundness;
   add(grains.meshes, work.part(0.8, 1));
 }
 
@@ -144,8 +157,10 @@ void Filler::pack_cores(double factor, const Work& work) {
     if (contact_[s].bounding_radius == 0)
       contact_[s] = packing::make_contact_shape(shapes_.shapes[s].mesh, work.quiet());
   packing::Packing packed;
-  packed.box = p.box, packed.shape = p.shape;
-  packed.position = p.position, packed.orientation = p.orientation;
+  packed.box = p.box;
+  packed.shape = p.shape;
+  packed.position = p.position;
+  packed.orientation = p.orientation;
   std::vector<double> radius;
   for (std::size_t i = 0; i < p.count(); ++i) {
     packed.scale.push_back(factor * p.scale[i]), packed.size.push_back(factor * p.size[i]);
@@ -156,11 +171,18 @@ void Filler::pack_cores(double factor, const Work& work) {
   packing::AnnealOptions anneal;
   anneal.seed = options_.population.seed;
   anneal.enough = 0.9;
+  anneal.overlaps = true;
   packing::Budget budget;
   // Fewer steps for more particles; overlaps that remain are cut by growth.
-  budget.limit = std::min<double>(options_.iterations, kPackedSteps / static_cast<double>(p.count()));
+  budget.limit = std::min<double>(options_.iterations,
+                                  std::max(kFewestSteps, kPackedSteps / static_cast<double>(p.count())));
   packing::pack(contact_, packed, anneal, budget, work);
-  p.position = packed.position, p.orientation = packed.orientation;
+  const bool spheres = std::all_of(contact_.begin(), contact_.end(),
+                                   [](const auto& s) { return s.bounding_radius == 0 || s.ball > 0; });
+  effort_.used += (spheres ? kSphereTest : kContactTest) * packing::Budget::kTestsPerBody * budget.used *
+                  static_cast<double>(p.count());
+  p.position = packed.position;
+  p.orientation = packed.orientation;
   for (std::size_t i = 0; i < p.count(); ++i) p.scale[i] = packed.scale[i] * packed.shrink;
   packed_ = true;
   result_.packed_fraction = population_.target_fraction * std::pow(factor * packed.shrink, 3);
@@ -194,8 +216,11 @@ void Filler::fill_by_growth(const Work& work) {
   grow_options.roundness = result_.roundness = options_.grains.roundness;
   grow_options.seed = options_.population.seed;
   growing_.prepare(shapes_, population_.particles, work.quiet());
+  effort_.limit =
+      options_.effort - kCutTriangles * (kAdd + kMeasure) * static_cast<double>(growing_.triangles());
   Grown grown =
       grow(growing_, population_.particles, result_.wanted, grow_options, effort_, work.part(0.4, 0.9));
+  ended_early_ = effort_.spent();
   result_.flat = grown.flat;
   add(grown.meshes, work.part(0.9, 1));
 }
@@ -207,17 +232,28 @@ void Filler::fill(const Work& work) {
     fill_by_growth(work);
   result_.size_class = population_.size_class;
   double sum = 0, wanted = 0;
-  for (std::size_t i = 0; i < result_.wanted.size(); ++i)
-    sum += result_.shapes.shapes[i].volume, wanted += result_.wanted[i];
+  for (std::size_t i = 0; i < result_.wanted.size(); ++i) {
+    sum += result_.shapes.shapes[i].volume;
+    wanted += result_.wanted[i];
+  }
   result_.fraction = sum / result_.particles.box.prod();
-  result_.worst = 0;
-  for (std::size_t i = 0; i < result_.wanted.size(); ++i)
-    result_.worst = std::max(
-        result_.worst, std::abs(result_.shapes.shapes[i].volume / result_.wanted[i] * wanted / sum - 1));
+  result_.worst = result_.mean_error = 0;
+  for (std::size_t i = 0; i < result_.wanted.size(); ++i) {
+    const double error = std::abs(result_.shapes.shapes[i].volume / result_.wanted[i] * wanted / sum - 1);
+    result_.worst = std::max(result_.worst, error);
+    result_.mean_error += error / static_cast<double>(result_.wanted.size());
+  }
 }
 
-Eigen::MatrixXd Filler::shown(const Work& work) const {
+std::size_t Filler::triangles() const {
+  std::size_t sum = 0;
+  for (const Shape& s : result_.shapes.shapes) sum += s.mesh.triangles.size();
+  return sum;
+}
+
+Eigen::MatrixXd Filler::shown(const Work& work) {
   const int each = std::max(4, kShownSections / static_cast<int>(result_.particles.count()));
+  effort_.used += kSection * each * static_cast<double>(triangles());
   return profile_densities(result_.shapes, result_.particles, result_.size_class, distribution_.class_edges,
                            each, options_.population.seed, work);
 }
@@ -281,12 +317,12 @@ FillResult Filler::run(const Work& work) {
   fill(work.part(0, filled));
   correct_sizes(first, first_class, work.part(filled, 0.9));
   measure_sizes(work.part(0.9, 1));
-  result_.effort = effort_.used / effort_.limit;
-  if (effort_.spent())
+  result_.effort = effort_.used / options_.effort;
+  if (ended_early_)
     result_.notes.push_back(fmt::format(
         "{} particles were more work than one node may do, so their volumes are less exact: the worst is off "
-        "by {:.2g} of its volume",
-        result_.particles.count(), result_.worst));
+        "by {:.2g} of its volume, and the mean by {:.2g}",
+        result_.particles.count(), result_.worst, result_.mean_error));
   return std::move(result_);
 }
 

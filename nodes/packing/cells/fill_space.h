@@ -13,6 +13,9 @@ namespace terrazzo::tessellation {
 enum class Method { Laguerre, Grow };
 enum class CrystalAxes { None, Uniform, Fiber };
 
+// Growth takes the meshes of at most this many particles within about 2 GB.
+inline constexpr std::int64_t kMostGrown = 50'000;
+
 // About 40 s on two cores.
 inline constexpr double kUsualEffort = 7e10;
 
@@ -39,7 +42,8 @@ struct FillResult {
   std::vector<double> expected;  // particles of each size class
   double requested_fraction = 0, fraction = 0;
   double left_out_fraction = 0;  // the part of the request that is left to the binder; see Population
-  double worst = 0;              // largest relative error of a volume
+  double worst = 0;              // largest relative error of a volume, apart from a common factor
+  double mean_error = 0;         // mean of the same
   double gap = 0;                // mean thickness of the binder between neighbors, mm
   double roundness = 0;          // of edges, before those without room for it became sharper
   double faces = 0;              // mean number of faces (Laguerre)

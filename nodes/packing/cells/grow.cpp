@@ -14,12 +14,12 @@ namespace terrazzo::tessellation {
 namespace {
 
 constexpr std::uint64_t kJointWidths = 0x6a6f696e7473;
-constexpr double kReach = 1.8;        // neighbors are those whose bounding spheres meet when enlarged by this
-constexpr int kRounds = 60;           // of moving the planes
-constexpr double kEnough = 0.01;      // relative shortfall of a volume that needs no more rounds
-constexpr int kRepeats = 4;           // of correcting the volume of a cut mesh
-constexpr int kFewRepeats = 1;        // the same once the work is used up
-constexpr double kSeparation = 8000;  // tests to find the direction of a plane, about
+constexpr double kReach = 1.8;    // neighbors are those whose bounding spheres meet when enlarged by this
+constexpr int kRounds = 60;       // of moving the planes
+constexpr double kEnough = 0.01;  // relative shortfall of a volume that needs no more rounds
+constexpr int kRepeats = 4;       // of correcting the volume of a cut mesh
+constexpr int kFewRepeats = 1;    // the same once the work is used up
+constexpr double kSeparation = 14000;              // effort to find the direction of a plane, about
 constexpr double kSharpen = 1.15, kSharpest = 60;  // powers of rounded edges
 constexpr double kWidest = 0.4;                    // gap of a pair, in the smaller radius
 constexpr double kMove = 0.25;  // how far, relative to the difference of the factors of growth
@@ -99,7 +99,10 @@ void Growth::separate_from_images(std::size_t i) {
     const double edge = packed_.box[axis];
     if (2 * kReach * body.radius < edge) continue;
     double low = 0, high = 0;
-    for (const Vec3& v : body.mesh.vertices) low = std::min(low, v[axis]), high = std::max(high, v[axis]);
+    for (const Vec3& v : body.mesh.vertices) {
+      low = std::min(low, v[axis]);
+      high = std::max(high, v[axis]);
+    }
     const double room = 0.5 * (edge - (high - low) - options_.gap);
     body.planes.push_back({Vec3::Unit(axis), high + room, -1});
     body.planes.push_back({-Vec3::Unit(axis), room - low, -1});
@@ -134,7 +137,8 @@ void Growth::place_planes() {
     if (options_.gap_variation > 0)
       gap *= 1 + options_.gap_variation * Random(options_.seed, kJointWidths, k).uniform(-1, 1);
     if (apart < 2 * kInside * (a.radius + b.radius) + gap) {  // the plane would miss a center
-      s.normal = between.normalized(), apart = between.norm();
+      s.normal = between.normalized();
+      apart = between.norm();
       s.end = s.start = apart * a.radius / (a.radius + b.radius);
       gap = std::min(gap, 0.5 * apart);
     }
@@ -215,7 +219,10 @@ Grown Growth::run() {
     }
   });
   double all = 0;
-  for (const GrownSurface& s : surfaces) out.flat += s.flat, all += s.all;
+  for (const GrownSurface& s : surfaces) {
+    out.flat += s.flat;
+    all += s.all;
+  }
   out.flat /= all;
   charge();
   return out;

@@ -13,8 +13,9 @@ constexpr double kLargest = 4;  // largest factor of growth
 constexpr int kHalvings = 16;
 constexpr double kExact = 1e-3;    // relative error of a volume that needs no correction
 constexpr double kNoEdge = 0.003;  // share of the norm that is left out
-// Cost of a plane's share in a norm, and of a vertex of a mesh that is split, in tests against a plane.
-constexpr std::size_t kPowers = 8, kSplit = 8;
+// Effort of a plane's share in a norm, of a vertex of a mesh that is split, of a vertex that is limited, and
+// of a triangle's share in a volume.
+constexpr std::size_t kPowers = 8, kSplit = 60, kLimit = 20, kVolume = 4;
 
 // How far a point is towards the planes, as a norm that is 1 on the body's planes except near their edges,
 // where it is larger, and so rounds them. Results below `least` may be smaller than they are.
@@ -60,8 +61,10 @@ CutBody cut(GrowingBody& body) {
   for (const Plane& p : body.nearest) {
     if (p.offset > farthest) break;
     double top = -1e300, longest = 0;
-    for (const Vec3& v : mesh.vertices)
-      top = std::max(top, p.normal.dot(v)), longest = std::max(longest, v.squaredNorm());
+    for (const Vec3& v : mesh.vertices) {
+      top = std::max(top, p.normal.dot(v));
+      longest = std::max(longest, v.squaredNorm());
+    }
     farthest = std::sqrt(longest) + near;
     body.work += static_cast<double>(mesh.vertices.size());
     if (top <= p.offset + near) continue;
@@ -75,8 +78,10 @@ CutBody cut(GrowingBody& body) {
   std::vector<double> shares;
   if (body.power > 0)
     for (Vec3& v : mesh.vertices)
-      if (const double far = gauge(body, v, 1, shares); far > 1)
-        v /= far, body.work += static_cast<double>(kPowers * shares.size());
+      if (const double far = gauge(body, v, 1, shares); far > 1) {
+        v /= far;
+        body.work += static_cast<double>(kPowers * shares.size());
+      }
   return out;
 }
 
@@ -96,6 +101,7 @@ void GrowingBody::sort_planes() {
 
 std::vector<double> limits_of(GrowingBody& body) {
   std::vector<double> limit;
+  body.work += static_cast<double>(kLimit * body.mesh.vertices.size());
   for (const Vec3& v : body.mesh.vertices) limit.push_back(std::min(kLargest, body.reach / v.norm()));
   if (body.power > 0) {
     std::vector<double> shares;
@@ -122,11 +128,14 @@ double solve_growth(GrowingBody& body, const std::vector<double>& limits) {
   double low = 0, high = kLargest, at_low = 0;
   double at_high = std::cbrt(volume_at(body, limits, high));
   const double goal = std::cbrt(body.wanted);
-  if (at_high <= goal) return body.growth = high, std::pow(at_high, 3);
+  if (at_high <= goal) {
+    body.growth = high;
+    return std::pow(at_high, 3);
+  }
   double at = body.growth < high ? body.growth : 0.5 * high;  // that of the last round is close
   for (int k = 0; k < 40; ++k) {
     const double reached = std::cbrt(volume_at(body, limits, at));
-    body.work += static_cast<double>(body.wedges.size());
+    body.work += static_cast<double>(kVolume * body.wedges.size());
     if (std::abs(reached - goal) < 1e-6 * goal) break;
     (reached > goal ? high : low) = at;
     (reached > goal ? at_high : at_low) = reached;
@@ -134,7 +143,8 @@ double solve_growth(GrowingBody& body, const std::vector<double>& limits) {
     const double share = std::clamp((goal - at_low) / (at_high - at_low), 0.1, 0.9);
     at = low + share * (high - low);
   }
-  return body.growth = at, body.wanted;
+  body.growth = at;
+  return body.wanted;
 }
 
 // Cutting keeps what triangles across an edge leave out of the volume at the vertices.
@@ -147,10 +157,13 @@ CutBody cut_to_volume(GrowingBody& body, bool reached, int repeats) {
   double low = 0, high = 0;  // factors of growth with too little and too much volume
   double at_low = 0, at_high = 0;
   const auto note = [&] {
-    if (volume > wanted)
-      high = body.growth, at_high = std::cbrt(volume);
-    else
-      low = body.growth, at_low = std::cbrt(volume);
+    if (volume > wanted) {
+      high = body.growth;
+      at_high = std::cbrt(volume);
+    } else {
+      low = body.growth;
+      at_low = std::cbrt(volume);
+    }
   };
   note();
   for (int k = 0; k < repeats && std::abs(wanted / volume - 1) >= kExact; ++k) {

@@ -22,7 +22,7 @@ struct GrowingBody {
   double power = 0;            // of the norm that rounds edges between planes; 0: sharp
   double no_edge = 0;          // planes no farther along than this share of the farthest make no edge
   double alone = 1;            // the least share of the farthest plane in a norm of 1
-  double work = 0;             // tests of a vertex against a plane or in a volume so far
+  double work = 0;             // effort so far
 
   void set_power(double value);
   void sort_planes();  // sets `nearest`

@@ -11,11 +11,12 @@
 namespace terrazzo::tessellation {
 namespace {
 
-constexpr double kLongestEdge = 0.2;  // of meshes, in diameters of the shape
+constexpr double kLongestEdge = 0.2;  // of the finest meshes, in diameters of the shape
 constexpr double kDeviation = 0.005;  // of a simplified shape, in its size
 constexpr std::size_t kFewest = 500;  // triangles of a simplified shape
 constexpr double kFiner = 1.25;       // factor by which their number rises until the deviation is kept
-constexpr int kLevels = 4;            // of detail; each has twice the deviation and half the triangles
+// Of detail. Each level has twice the deviation of the one before, and about half the triangles.
+constexpr int kLevels = 4;
 
 // The farthest vertices along directions all around, each once.
 std::vector<Vec3> farthest_vertices(const Mesh& mesh) {
@@ -27,8 +28,14 @@ std::vector<Vec3> farthest_vertices(const Mesh& mesh) {
     double highest = -1e300, lowest = 1e300;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const double h = u.dot(mesh.vertices[v]);
-      if (h > highest) highest = h, top = v;
-      if (h < lowest) lowest = h, bottom = v;
+      if (h > highest) {
+        highest = h;
+        top = v;
+      }
+      if (h < lowest) {
+        lowest = h;
+        bottom = v;
+      }
     }
     found.push_back(top), found.push_back(bottom);
   }
@@ -39,18 +46,36 @@ std::vector<Vec3> farthest_vertices(const Mesh& mesh) {
   return points;
 }
 
+GrowthShape simpler(const Shape& shape, const Mesh& from, int level, const Work& work) {
+  GrowthShape to;
+  // Deviations add up to kDeviation · 2^level.
+  const double deviation = kDeviation * std::exp2(std::max(0, level - 1)) * shape.size();
+  to.mesh = packing::simplified(from, deviation, work.quiet(), kFewest >> level, kFiner).mesh;
+  const double longest = kLongestEdge * std::exp2(0.5 * level);
+  split_long_edges(to.mesh, longest * std::cbrt(6 / std::numbers::pi * shape.volume));
+  to.outposts = farthest_vertices(to.mesh);
+  return to;
+}
+
 }  // namespace
 
 const GrowthShape& GrowthShapes::at(const Shapes& shapes, std::int32_t shape, int level, const Work& work) {
   const auto [found, added] = prepared_.try_emplace({shape, level});
-  GrowthShape& to = found->second;
-  if (!added) return to;
-  const Shape& from = shapes.shapes[static_cast<std::size_t>(shape)];
-  const double deviation = kDeviation * std::exp2(level) * from.size();
-  to.mesh = packing::simplified(from.mesh, deviation, work.quiet(), kFewest >> level, kFiner).mesh;
-  split_long_edges(to.mesh, kLongestEdge * std::cbrt(6 / std::numbers::pi * from.volume));
-  to.outposts = farthest_vertices(to.mesh);
-  return to;
+  if (added)
+    found->second = simpler(shapes.shapes[static_cast<std::size_t>(shape)],
+                            at(shapes, shape, level - 1, work).mesh, level, work);
+  return found->second;
+}
+
+void GrowthShapes::make_finest(const Shapes& shapes, const Particles& p, const Work& work) {
+  std::vector<std::pair<const Shape*, GrowthShape*>> missing;
+  for (const std::int32_t s : p.shape)
+    if (const auto [found, added] = prepared_.try_emplace({s, 0}); added)
+      missing.emplace_back(&shapes.shapes[static_cast<std::size_t>(s)], &found->second);
+  work.parallel(missing.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      *missing[k].second = simpler(*missing[k].first, missing[k].first->mesh, 0, work);
+  });
 }
 
 // Particles of the size `fine` or more have the finest level, smaller ones a level less per octave.
@@ -70,6 +95,7 @@ std::size_t GrowthShapes::triangles() const {
 
 void GrowthShapes::prepare(const Shapes& shapes, const Particles& p, const Work& work, double most) {
   if (p.count() == 0) return;
+  make_finest(shapes, p, work);
   assign(shapes, p, 0, work);
   const auto [smallest, largest] = std::minmax_element(p.size.begin(), p.size.end());
   for (double fine = *smallest; static_cast<double>(triangles()) > most && fine < 16 * *largest;) {

@@ -32,6 +32,7 @@ class GrowthShapes {
   std::map<std::pair<std::int32_t, int>, GrowthShape> prepared_;  // by shape and level of detail; kept
   std::vector<const GrowthShape*> of_;
 
+  void make_finest(const Shapes&, const Particles&, const Work&);
   const GrowthShape& at(const Shapes&, std::int32_t shape, int level, const Work&);
   void assign(const Shapes&, const Particles&, double fine, const Work&);
 };

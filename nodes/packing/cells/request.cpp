@@ -75,6 +75,7 @@ FillOptions read_fill(Context& c, Method method) {
   FillOptions o;
   o.method = method;
   o.population = packing::read_population(c);
+  if (method == Method::Grow) o.population.most = kMostGrown;
   o.grains.gap = c.optional_number("gap");
   Joints joints;
   const auto* profiles = c.optional<Profiles>("profiles");
@@ -83,8 +84,10 @@ FillOptions read_fill(Context& c, Method method) {
   o.grains.gap_variation = c.optional_number("gap_variation").value_or(joints.variation);
   if (const auto roundness = c.optional_number("roundness"))
     o.grains.roundness = *roundness;
-  else if (profiles != nullptr)
-    o.grains.roundness = measure_roundness(*profiles), o.grains.least_gap = kLeastGap;
+  else if (profiles != nullptr) {
+    o.grains.roundness = measure_roundness(*profiles);
+    o.grains.least_gap = kLeastGap;
+  }
   o.grains.roughness = c.number("roughness");
   if (const auto rounds = c.optional_integer("rounds")) o.grains.rounds = static_cast<int>(*rounds);
   if (const auto s = c.numbers("stretch"); s.size() == 3) o.grains.stretch = Vec3(s[0], s[1], s[2]);
@@ -112,6 +115,7 @@ void output_fill(Context& c, const SizeDistribution& distribution, FillResult r)
     c.warn(fmt::format("the volume of one particle is off by {:.0f} %: its neighbors leave it no room",
                        100 * r.worst));
   c.metric("worst_volume_error", r.worst);
+  c.metric("mean_volume_error", r.mean_error);
   c.metric("effort", r.effort);
   c.metric("box_x", r.particles.box[0]);
   c.metric("box_y", r.particles.box[1]);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kNoBinder = 0.97;  // volume fraction
 constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
 // Largest number of steps, the same times particles, and the fewest steps.
-constexpr double kIterations = 1500, kBodySteps = kIterations * 2500, kFewest = 200;
+constexpr double kIterations = 1500, kBodySteps = kIterations * 2500, kFewest = 60;
 constexpr double kEquiaxed = 0.6;  // least axis ratio
 constexpr std::size_t kFew = 5;    // profiles
 

@@ -78,7 +78,10 @@ void check(const SizeDistribution& d, const Shapes& shapes) {
 
 std::vector<Cell> cells_of(const SizeDistribution& d, const Shapes& shapes) {
   double probability = 0, mixed = 0;
-  for (const auto& s : shapes.shapes) probability += s.probability, mixed += s.probability * unit_volume(s);
+  for (const auto& s : shapes.shapes) {
+    probability += s.probability;
+    mixed += s.probability * unit_volume(s);
+  }
   mixed /= probability;
   std::vector<Cell> cells;  // largest class first
   for (int k = static_cast<int>(d.classes()) - 1; k >= 0; --k)
@@ -263,7 +266,10 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   Population out;
   auto cells = cells_of(d, shapes);
   double density = 0, computed = 0;
-  for (const auto& c : cells) density += c.density, computed += c.density * c.mean_volume;
+  for (const auto& c : cells) {
+    density += c.density;
+    computed += c.density * c.mean_volume;
+  }
   if (cells.empty() || !(density > 0) || !(computed > 0))
     throw Error("no-particles", "the distribution has no particles: all its number densities are 0",
                 "check the profiles or densities from which it is computed");
@@ -315,15 +321,18 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
         fmt::format(
             "the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles; at most {} are allowed",
             box[0], box[1], box[2], expected, o.most),
-        "make the box smaller, or leave out the smallest classes")
-        .parameter("size");
+        o.edges.empty() ? "lower `count`" : "make the box smaller, or leave out the smallest classes")
+        .parameter(o.edges.empty() ? "count" : "size");
 
   const double target = out.target_fraction * volume;
   double best_phase = 0.5, least = 1e300;
   for (int k = 0; k < 32; ++k) {
     const double phase = (k + 0.5) / 32;
     const double error = std::abs(round_counts(cells, volume, phase) - target);
-    if (error < least - 1e-12 * target) least = error, best_phase = phase;
+    if (error < least - 1e-12 * target) {
+      least = error;
+      best_phase = phase;
+    }
   }
   round_counts(cells, volume, best_phase);
 

@@ -138,7 +138,8 @@ void Schedule::restore() {
 // Shrinks by `down`, and by more each time, until no overlap remains.
 bool Schedule::free_by_shrinking(double down) {
   for (;;) {
-    if (best_.position.empty()) limit_ = std::max(limit_, used_ + 200);  // a free state is needed at any cost
+    // A free state is needed at any cost.
+    if (best_.position.empty() && !options_.overlaps) limit_ = std::max(limit_, used_ + 200);
     set(packing_.shrink * (1 - down), true, 0.002 * packing_.shrink);
     if (relax(0, 150, 0.3) == Outcome::Free) return true;
     if (packing_.shrink < 0.05) return false;
@@ -151,7 +152,7 @@ bool Schedule::free_by_shrinking(double down) {
 bool Schedule::decompress() {
   for (;;) {
     // The first free state may cost half as much again, because nothing else can be returned.
-    if (left() <= 0 && !best_.position.empty()) return false;
+    if (left() <= 0 && (options_.overlaps || !best_.position.empty())) return false;
     iterate(0);
     if (last_.worst <= 0 || left() <= -0.5 * most_) break;
     const double mean = std::sqrt(last_.energy / static_cast<double>(std::max<std::size_t>(last_.pairs, 1)));
@@ -214,7 +215,10 @@ void Schedule::leave_best() {
 
 AnnealResult Schedule::run() {
   AnnealResult result;
-  if (packing_.count() == 0) return result.free = true, result;
+  if (packing_.count() == 0) {
+    result.free = true;
+    return result;
+  }
   if (options_.resume && !options_.settle) resume();
   if (options_.settle) {
     set(packing_.shrink, true, 0.0005);

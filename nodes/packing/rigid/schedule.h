@@ -13,6 +13,7 @@ struct AnnealOptions {
   double start_shrink = 0.6;  // size at which growth begins
   bool local = false;         // while settling, move only bodies that overlap
   bool settle = false;        // only repair a packing that is almost free, at its current size
+  bool overlaps = false;      // once the steps are used up, the result may overlap
   bool resume = false;        // the bodies may be free at start_shrink; then the result is at least as dense
   double aim = 1;  // size above 1 to reach if no rounds are needed; leaves room for corrections by the audit
   double enough = 1;                           // size at which jammed bodies stop growing
