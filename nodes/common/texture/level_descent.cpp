@@ -175,36 +175,28 @@ std::size_t LevelDescent::sweep(std::uint64_t seed, const Work& work) {
     const std::size_t n = std::min(kStep, order_.size() - i);
     switch (width_ / kLanes * 2 + weighted_) {
       case 2:
-        changed += visit < 1;
-        false > (pixels, n);
+        changed += visit<1, false>(pixels, n);
         break;
       case 3:
-        changed += visit < 1;
-        true > (pixels, n);
+        changed += visit<1, true>(pixels, n);
         break;
       case 4:
-        changed += visit < 2;
-        false > (pixels, n);
+        changed += visit<2, false>(pixels, n);
         break;
       case 5:
-        changed += visit < 2;
-        true > (pixels, n);
+        changed += visit<2, true>(pixels, n);
         break;
       case 6:
-        changed += visit < 3;
-        false > (pixels, n);
+        changed += visit<3, false>(pixels, n);
         break;
       case 7:
-        changed += visit < 3;
-        true > (pixels, n);
+        changed += visit<3, true>(pixels, n);
         break;
       case 8:
-        changed += visit < 4;
-        false > (pixels, n);
+        changed += visit<4, false>(pixels, n);
         break;
       default:
-        changed += visit < 4;
-        true > (pixels, n);
+        changed += visit<4, true>(pixels, n);
         break;
     }
   }

@@ -101,9 +101,7 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
   constexpr std::size_t kEnough = 4000;                 // used pixels of a phase
   const auto all = [](std::size_t) { return true; };
   const std::size_t n = broad.size();
-  std::vector<Vec3f> soft = p.offset;
-  square(n, Vec3f::Zero());
-  spread(n, Vec3f::Zero());
+  std::vector<Vec3f> soft = p.offset, square(n, Vec3f::Zero()), spread(n, Vec3f::Zero());
   for (std::size_t i = 0; i < n; ++i)
     if (const auto k = p.phase[i]; k >= 0)
       square[i].setConstant(((p.offset[i] - broad[i]).array() / deviation[k].array()).square().sum());

@@ -135,8 +135,7 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
   for (const Detail::Phase& phase : detail.phases) {
     const Vec3i size = Vec3i::Constant(detail.size);
     const double voxels = footprint / detail.pixel_size;
-    std::vector<Vec3f> values = phase.tile;
-    broad = phase.broad;
+    std::vector<Vec3f> values = phase.tile, broad = phase.broad;
     const bool zones = !tiles_.empty() && !broad.empty();
     if (!zones)
       for (std::size_t i = 0; i < broad.size(); ++i) values[i] += broad[i];

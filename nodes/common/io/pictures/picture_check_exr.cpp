@@ -74,7 +74,7 @@ void check_exr(std::string_view content, const Reading&) {
           height = double(high) - low + 1;
         } else if (name == "compression" && value.size() == 1) {
           constexpr int of_kind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-          if (static_cast<unsigned char>(value[0]) < 10) lines = of_kind[value[0]];
+          if (const unsigned char kind = value[0]; kind < 10) lines = of_kind[kind];
         } else if (name == "tiles") {
           tiled = true;
           if (value.size() >= 8) lines = std::min(exr_number(value.substr(4)), 1u << 20);

@@ -257,8 +257,7 @@ ContactShape make_contact_shape(const Mesh& original, const Work& work) {
   s.field.include(sharp);
   if (segments.size() > 1200) segments.clear(), std::fill(covered.begin(), covered.end(), false);
   const Choice choice = choose_vertices(mesh, r, covered, work);
-  std::vector<Element> coarse = segments;
-  fine = segments;
+  std::vector<Element> coarse = segments, fine = segments;
   for (std::size_t k = 0; k < choice.order.size(); ++k) {
     fine.push_back(point_element(mesh.vertices[choice.order[k]]));
     if (k < kCoarse) coarse.push_back(fine.back());
