@@ -179,35 +179,11 @@ void compute(Context& c) {
 
 }  // namespace
 
-NodeType segment_node() {
-  return NodeType("Segment", 16)
-      .doc_(
-          "Finds the particles of a section in its photograph and measures each profile: divides the image "
-          "into patches of uniform color, decides which of them are binder, and splits touching particles.")
-      .source_(
-          "Profiles as needed by Jagnow, Dorsey, Rushmeier 2004, who outlined them by hand; methods: see "
-          "README")
-      .input("image", "Image", "Photograph, or a stack of section photographs")
-      .optional_input("labels", {"Labels"}, "Labels to measure instead of segmenting the image")
-      .optional_input("mask", {"Labels"}, "Not 0: pixels that show no material, such as a ruler or a frame")
-      .optional_input("particle_strokes", {"Strokes"},
-                      "Strokes on particles of the first section, for method scribbles")
-      .optional_input("binder_strokes", {"Strokes"}, "Strokes on the binder of the first section")
-      .optional_input("not_material_strokes", {"Strokes"},
-                      "Strokes on what is not material in the first section")
-      .output("labels", "Labels", "Particle number of each pixel; 0: binder")
-      .output("profiles", "Profiles", "One profile per particle, with its outline")
-      .output("binder", "Table",
-              "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
-      .output(
-          "delit", "Image",
-          "The picture that colors are measured in: the photograph, without its light if `delight` says so")
-      .output("confidence", "Image", "Confidence of each particle as gray; binder is black")
-      .output(
-          "unobserved", "Labels",
-          "Pixels that are neither a particle nor surely binder. 1: ignored. 2: undecided, where the network "
-          "sees particles that it cannot tell apart, or min_confidence dropped one")
-      .parameter(
+namespace {
+
+// What color decides, and how large particles are.
+void add_color_parameters(NodeType& type) {
+  type.parameter(
           Parameter::optional_integer("clusters", "auto")
               .range(2, 12)
               .doc_("Number of color clusters. auto: the largest number of clearly separate clusters."))
@@ -234,8 +210,12 @@ NodeType segment_node() {
                      .range(1, 32)
                      .doc_("Number of profile classes by mean color (k-means), the most frequent class "
                            "first. auto: as many as the colors show and the profiles bear out by different "
-                           "sizes or circularities, 1 to 8."))
-      .parameter(
+                           "sizes or circularities, 1 to 8."));
+}
+
+// Who finds particles.
+void add_method_parameters(NodeType& type) {
+  type.parameter(
           Parameter::choice("method", "auto", {"auto", "clusters", "network", "scribbles"})
               .word_was("regions", "network")
               .doc_("clusters: separates particles from binder by color. network: finds them with a network "
@@ -259,8 +239,12 @@ NodeType segment_node() {
       .parameter(Parameter::number("min_confidence", 0)
                      .range(0, 1)
                      .doc_("Particles with a lower confidence are dropped. Particles of clusters have a "
-                           "confidence of 1 unless method auto judges them."))
-      .parameter(
+                           "confidence of 1 unless method auto judges them."));
+}
+
+// What is measured.
+void add_measuring_parameters(NodeType& type) {
+  type.parameter(
           Parameter::with_keyword(ParameterKind::Texts, "ignore", "none")
               .unit_("pixels")
               .doc_(
@@ -280,9 +264,47 @@ NodeType segment_node() {
               .doc_("Removes uneven light, gloss and the shading of rounded particles before colors are "
                     "measured; see output delit. Use it for colors that will be lit again, as by a renderer. "
                     "off: colors as photographed, which a section beside the photograph needs."))
-      .parameter(Parameter::seed().doc_("Random seed of k-means"))
-      .check_(check)
-      .compute_(compute);
+      .parameter(Parameter::seed().doc_("Random seed of k-means"));
+}
+
+}  // namespace
+
+NodeType segment_node() {
+  NodeType type =
+      NodeType("Segment", 16)
+          .doc_(
+              "Finds the particles of a section in its photograph and measures each profile: divides the "
+              "image "
+              "into patches of uniform color, decides which of them are binder, and splits touching "
+              "particles.")
+          .source_(
+              "Profiles as needed by Jagnow, Dorsey, Rushmeier 2004, who outlined them by hand; methods: see "
+              "README")
+          .input("image", "Image", "Photograph, or a stack of section photographs")
+          .optional_input("labels", {"Labels"}, "Labels to measure instead of segmenting the image")
+          .optional_input("mask", {"Labels"},
+                          "Not 0: pixels that show no material, such as a ruler or a frame")
+          .optional_input("particle_strokes", {"Strokes"},
+                          "Strokes on particles of the first section, for method scribbles")
+          .optional_input("binder_strokes", {"Strokes"}, "Strokes on the binder of the first section")
+          .optional_input("not_material_strokes", {"Strokes"},
+                          "Strokes on what is not material in the first section")
+          .output("labels", "Labels", "Particle number of each pixel; 0: binder")
+          .output("profiles", "Profiles", "One profile per particle, with its outline")
+          .output("binder", "Table",
+                  "One row: r, g, b of the binder (scene-linear), its area_fraction, and count of profiles")
+          .output("delit", "Image",
+                  "The picture that colors are measured in: the photograph, without its light if `delight` "
+                  "says so")
+          .output("confidence", "Image", "Confidence of each particle as gray; binder is black")
+          .output("unobserved", "Labels",
+                  "Pixels that are neither a particle nor surely binder. 1: ignored. 2: undecided, where the "
+                  "network "
+                  "sees particles that it cannot tell apart, or min_confidence dropped one");
+  add_color_parameters(type);
+  add_method_parameters(type);
+  add_measuring_parameters(type);
+  return type.check_(check).compute_(compute);
 }
 
 }  // namespace terrazzo

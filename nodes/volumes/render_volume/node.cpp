@@ -149,6 +149,115 @@ void compute(Context& c) {
 
 }  // namespace
 
+namespace {
+
+// What is drawn, from where.
+void add_picture_parameters(NodeType& type) {
+  type.parameter(
+          Parameter::texts("classes",
+                           {"skin -600 -190 #d9a58c noise opacity=0.25", "fat -190 -30 #ead9a9 texture",
+                            "muscle -30 150 #8f3a36 texture", "bone 150 4000 #efe6cf texture"})
+              .count(1, 16)
+              .doc_("Tissues: name, lower and upper density (Hounsfield units), then in any order a color, "
+                    "`texture` or `noise`, and `opacity=…` (per step of a thousandth of the longest edge; "
+                    "default: max(0.3, int + 0.25)) and `penetration=…` (mm, see there). Densities outside "
+                    "all classes are transparent."))
+      .parameter(Parameter::text("grid", "")
+                     .doc_("Grid of the volume. Empty: the first grid with one number per voxel."))
+      .parameter(Parameter::choice("mode", "textured", {"textured", "plain"})
+                     .doc_("textured: each class with its texture. plain: each class in its texture's "
+                           "mean color, for comparison."))
+      .parameter(Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
+                     .doc_("Where frames are rendered. cpu: identical bits on every machine. gl: OpenGL, "
+                           "on a GPU or else by Mesa's software renderer. auto: a GPU if there is one, "
+                           "else cpu. A warning names the device used. Rounding differs between devices, "
+                           "so avoid auto if machines share a cache."))
+      .parameter(
+          Parameter::integer("width", 512).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
+      .parameter(
+          Parameter::integer("height", 512).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
+      .parameter(Parameter::integer("samples", 1).range(1, 16).doc_("Rays per pixel along each of its edges"))
+      .parameter(Parameter::number("step", 1).range(0.05, 4).unit_("voxels").doc_(
+          "Distance between density samples along a ray, in shortest edges of a voxel. Density is linear "
+          "between samples."))
+      .parameter(Parameter::integer("frames", 1)
+                     .range(1, 10000)
+                     .doc_("Number of frames in one full turn around the axis `up`"))
+      .parameter(
+          Parameter::choice("up", "z", {"x", "y", "z"})
+              .doc_("Axis of the volume that points up in the picture. The next axis points to azimuth 0."))
+      .parameter(Parameter::number("azimuth", -41)
+                     .unit_("degrees")
+                     .range(-360, 360)
+                     .doc_("Azimuth of the camera. In a scan with z up, 90 is the front."))
+      .parameter(
+          Parameter::number("elevation", 20).unit_("degrees").range(-85, 85).doc_("Elevation of the camera"))
+      .parameter(Parameter::number("zoom", 1).range(0.1, 1000).doc_(
+          "Magnification. 1 fits everything visible in the kept region, from every side."))
+      .parameter(Parameter::numbers("clip", {0, 1, 0, 1, 0, 1})
+                     .range(0, 1)
+                     .count(6, 6)
+                     .doc_("Region kept of x, y and z, from and to, as fractions of the edges. Cuts show "
+                           "the inside."))
+      .parameter(Parameter::numbers("scales", {10, 1, 0.1})
+                     .range(1e-6, 1e6)
+                     .count(3, 3)
+                     .doc_("Factors on the textures' voxel size at the three scales, coarse to fine"))
+      .parameter(Parameter::numbers("weights", {3, 1, 1})
+                     .range(0, 1e6)
+                     .count(3, 3)
+                     .doc_("Weights of the three scales"))
+      .parameter(Parameter::choice("turning", "random", {"random", "about_z", "none"})
+                     .doc_("Rotation of each scale of each texture, so that repetitions do not line up. "
+                           "random: any rotation. about_z: around z only, to keep grain along the "
+                           "volume's z. none: no rotation."))
+      .parameter(Parameter::numbers("window", {-1000, 1000})
+                     .range(-1e9, 1e9)
+                     .count(2, 2)
+                     .doc_("Densities at which the method's `int`, which controls opacity and "
+                           "brightness, is 0 and 1"));
+}
+
+// How tissues and light look.
+void add_light_parameters(NodeType& type) {
+  type.parameter(Parameter::number("modulation", 1)
+                     .range(0, 100)
+                     .doc_("Strength of brightening by density: 1 as in equation 7, 0 for none. Classes with "
+                           "`noise` are exempt, as skin is in the paper."))
+      .parameter(Parameter::number("opacity", 1)
+                     .range(0, 1000)
+                     .doc_("Factor on the opacity of all classes. With 0.1, light travels ten times as far."))
+      .parameter(Parameter::number("translucency", 0)
+                     .range(0, 1)
+                     .doc_("Share of the lamp's light that enters the tissues. It falls off with the "
+                           "distance that it travels through them and is scattered once, so that thin "
+                           "parts shine and thick ones cast shadows. The rest lights surfaces. 0: surfaces "
+                           "only, without shadows. Device cpu only."))
+      .parameter(Parameter::number("penetration", 4)
+                     .range(1e-9, 1e9)
+                     .unit_("mm")
+                     .doc_("Distance within tissue over which that light falls to 1/e, for classes "
+                           "without a penetration of their own"))
+      .parameter(Parameter::numbers("lamp", {-0.45, 0.55, 0.75})
+                     .range(-1e6, 1e6)
+                     .count(3, 3)
+                     .doc_("Direction of the lamp in the picture: right, up, towards the viewer. A "
+                           "negative last number puts it behind the scan."))
+      .parameter(Parameter::number("ambient", 0.38)
+                     .range(0, 1)
+                     .doc_("Brightness of the light from all sides on surfaces and in translucent tissues. "
+                           "The lamp adds up to 0.67."))
+      .parameter(Parameter::number("skin_noise", 0.15)
+                     .range(0, 1)
+                     .doc_("Brightness variation of classes with `noise`"))
+      .parameter(
+          Parameter::number("skin_scale", 3).range(1e-9, 1e9).unit_("mm").doc_("Cell width of the noise"))
+      .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
+      .parameter(Parameter::seed());
+}
+
+}  // namespace
+
 NodeType render_volume_node() {
   NodeType type =
       NodeType("RenderVolume", 3)
@@ -163,115 +272,10 @@ NodeType render_volume_node() {
                       "of their ranges. Without textures, every class shows its color.")
           .output("image", "Image", "Picture with one section per frame, scene-linear; 1 is white")
           .output("table", "Table",
-                  "Cost of each frame: rays that hit the volume, density samples and texture lookups")
-          .parameter(
-              Parameter::texts("classes",
-                               {"skin -600 -190 #d9a58c noise opacity=0.25", "fat -190 -30 #ead9a9 texture",
-                                "muscle -30 150 #8f3a36 texture", "bone 150 4000 #efe6cf texture"})
-                  .count(1, 16)
-                  .doc_(
-                      "Tissues: name, lower and upper density (Hounsfield units), then in any order a color, "
-                      "`texture` or `noise`, and `opacity=…` (per step of a thousandth of the longest edge; "
-                      "default: max(0.3, int + 0.25)) and `penetration=…` (mm, see there). Densities outside "
-                      "all classes are transparent."))
-          .parameter(Parameter::text("grid", "")
-                         .doc_("Grid of the volume. Empty: the first grid with one number per voxel."))
-          .parameter(Parameter::choice("mode", "textured", {"textured", "plain"})
-                         .doc_("textured: each class with its texture. plain: each class in its texture's "
-                               "mean color, for comparison."))
-          .parameter(Parameter::choice("device", "cpu", {"cpu", "auto", "gl"})
-                         .doc_("Where frames are rendered. cpu: identical bits on every machine. gl: OpenGL, "
-                               "on a GPU or else by Mesa's software renderer. auto: a GPU if there is one, "
-                               "else cpu. A warning names the device used. Rounding differs between devices, "
-                               "so avoid auto if machines share a cache."))
-          .parameter(
-              Parameter::integer("width", 512).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
-          .parameter(
-              Parameter::integer("height", 512).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
-          .parameter(
-              Parameter::integer("samples", 1).range(1, 16).doc_("Rays per pixel along each of its edges"))
-          .parameter(Parameter::number("step", 1).range(0.05, 4).unit_("voxels").doc_(
-              "Distance between density samples along a ray, in shortest edges of a voxel. Density is linear "
-              "between samples."))
-          .parameter(Parameter::integer("frames", 1)
-                         .range(1, 10000)
-                         .doc_("Number of frames in one full turn around the axis `up`"))
-          .parameter(
-              Parameter::choice("up", "z", {"x", "y", "z"})
-                  .doc_(
-                      "Axis of the volume that points up in the picture. The next axis points to azimuth 0."))
-          .parameter(Parameter::number("azimuth", -41)
-                         .unit_("degrees")
-                         .range(-360, 360)
-                         .doc_("Azimuth of the camera. In a scan with z up, 90 is the front."))
-          .parameter(Parameter::number("elevation", 20)
-                         .unit_("degrees")
-                         .range(-85, 85)
-                         .doc_("Elevation of the camera"))
-          .parameter(Parameter::number("zoom", 1).range(0.1, 1000).doc_(
-              "Magnification. 1 fits everything visible in the kept region, from every side."))
-          .parameter(Parameter::numbers("clip", {0, 1, 0, 1, 0, 1})
-                         .range(0, 1)
-                         .count(6, 6)
-                         .doc_("Region kept of x, y and z, from and to, as fractions of the edges. Cuts show "
-                               "the inside."))
-          .parameter(Parameter::numbers("scales", {10, 1, 0.1})
-                         .range(1e-6, 1e6)
-                         .count(3, 3)
-                         .doc_("Factors on the textures' voxel size at the three scales, coarse to fine"))
-          .parameter(Parameter::numbers("weights", {3, 1, 1})
-                         .range(0, 1e6)
-                         .count(3, 3)
-                         .doc_("Weights of the three scales"))
-          .parameter(Parameter::choice("turning", "random", {"random", "about_z", "none"})
-                         .doc_("Rotation of each scale of each texture, so that repetitions do not line up. "
-                               "random: any rotation. about_z: around z only, to keep grain along the "
-                               "volume's z. none: no rotation."))
-          .parameter(Parameter::numbers("window", {-1000, 1000})
-                         .range(-1e9, 1e9)
-                         .count(2, 2)
-                         .doc_("Densities at which the method's `int`, which controls opacity and "
-                               "brightness, is 0 and 1"))
-          .parameter(
-              Parameter::number("modulation", 1)
-                  .range(0, 100)
-                  .doc_("Strength of brightening by density: 1 as in equation 7, 0 for none. Classes with "
-                        "`noise` are exempt, as skin is in the paper."))
-          .parameter(
-              Parameter::number("opacity", 1)
-                  .range(0, 1000)
-                  .doc_("Factor on the opacity of all classes. With 0.1, light travels ten times as far."))
-          .parameter(
-              Parameter::number("translucency", 0)
-                  .range(0, 1)
-                  .doc_("Share of the lamp's light that enters the tissues. It falls off with the "
-                        "distance that it travels through them and is scattered once, so that thin "
-                        "parts shine and thick ones cast shadows. The rest lights surfaces. 0: surfaces "
-                        "only, without shadows. Device cpu only."))
-          .parameter(Parameter::number("penetration", 4)
-                         .range(1e-9, 1e9)
-                         .unit_("mm")
-                         .doc_("Distance within tissue over which that light falls to 1/e, for classes "
-                               "without a penetration of their own"))
-          .parameter(Parameter::numbers("lamp", {-0.45, 0.55, 0.75})
-                         .range(-1e6, 1e6)
-                         .count(3, 3)
-                         .doc_("Direction of the lamp in the picture: right, up, towards the viewer. A "
-                               "negative last number puts it behind the scan."))
-          .parameter(
-              Parameter::number("ambient", 0.38)
-                  .range(0, 1)
-                  .doc_("Brightness of the light from all sides on surfaces and in translucent tissues. "
-                        "The lamp adds up to 0.67."))
-          .parameter(Parameter::number("skin_noise", 0.15)
-                         .range(0, 1)
-                         .doc_("Brightness variation of classes with `noise`"))
-          .parameter(
-              Parameter::number("skin_scale", 3).range(1e-9, 1e9).unit_("mm").doc_("Cell width of the noise"))
-          .parameter(Parameter::color("background", 0.8, 0.8, 0.8).doc_("Background color"))
-          .parameter(Parameter::seed())
-          .check_(check)
-          .compute_(compute);
+                  "Cost of each frame: rays that hit the volume, density samples and texture lookups");
+  add_picture_parameters(type);
+  add_light_parameters(type);
+  type.check_(check).compute_(compute);
   for (Port& p : type.inputs) p.optional |= p.many;
   return type;
 }

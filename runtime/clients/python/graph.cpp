@@ -143,10 +143,7 @@ std::string draw(GraphObject& g, const std::string& format) {
   throw Error("bad-value", fmt::format("'{}' is not one of svg, dot, mermaid", format)).parameter("format");
 }
 
-}  // namespace
-
-void bind_graph(py::module_& m) {
-  using py::arg;
+void bind_outputs(py::module_& m) {
   py::class_<ParameterReference>(m, "ParameterReference",
                                  "A parameter of a graph as the value of a node's parameter.")
       .def_readonly("name", &ParameterReference::name)
@@ -182,7 +179,10 @@ void bind_graph(py::module_& m) {
           "one.")
       .def("__repr__",
            [](const OutputObject& o) { return fmt::format("<Output {}: {}>", o.text(), o.type); });
+}
 
+void bind_nodes(py::module_& m) {
+  using py::arg;
   py::class_<NodeObject>(
       m, "Node", "A node of a graph. Its outputs are attributes; its parameters are items: node['seed'] = 2.")
       .def_readonly("graph", &NodeObject::graph, "The Graph.")
@@ -252,7 +252,14 @@ void bind_graph(py::module_& m) {
       .def("__repr__", [](const NodeObject& n) {
         return fmt::format("<{} '{}'>", graph_of(n.graph).type_of(n.name).name, n.name);
       });
+}
 
+}  // namespace
+
+void bind_graph(py::module_& m) {
+  using py::arg;
+  bind_outputs(m);
+  bind_nodes(m);
   py::class_<GraphObject>(m, "Graph", py::dynamic_attr())
       .def(py::init(
                [](const std::string& cache, std::uint64_t memory, std::uint64_t file_memory, int threads) {
