@@ -14,7 +14,7 @@ constexpr std::size_t kMostParticles = 400'000;
 constexpr std::size_t kMostIndices = 12'000'000;
 
 void append(std::string& out, const Vec3& v) {
-  for (int k = 0; k < 3; ++k) studio::append(out, v[k]);
+  for (int k = 0; k < 3; ++k) studio::append(out, static_cast<float>(v[k]));
 }
 using studio::append;
 
@@ -40,14 +40,15 @@ std::string particles_view(const Particles& p) {
                 "RenderSolid and Section show all of them");
   std::string out;
   out.reserve(20 + 48 * p.count());
-  append(out, p.count());
+  append(out, static_cast<std::uint32_t>(p.count()));
   append(out, std::uint32_t{44});
   append(out, p.box);
   for (std::size_t i = 0; i < p.count(); ++i) {
     append(out, p.position[i]);
     const Quat& q = p.orientation[i];
-    for (const double v : {q.x(), q.y(), q.z(), q.w(), p.scale[i], p.size[i]}) append(out, v);
-    append(out, p.shape[i]);
+    for (const double v : {q.x(), q.y(), q.z(), q.w(), p.scale[i], p.size[i]})
+      append(out, static_cast<float>(v));
+    append(out, static_cast<std::uint32_t>(p.shape[i]));
     append(out, p.is_void(i) ? rgba(p.color[i]) & 0xffffffu : rgba(p.color[i]));
   }
   return out;
@@ -56,16 +57,16 @@ std::string particles_view(const Particles& p) {
 std::string shapes_view(const Shapes& shapes, int triangles) {
   std::string out;
   std::size_t indices = 0;
-  append(out, shapes.shapes.size());
+  append(out, static_cast<std::uint32_t>(shapes.shapes.size()));
   for (const Shape& shape : shapes.shapes) {
-    const RenderMesh m = render_mesh(reduced(shape, std::max(triangles, 12)));
+    const RenderMesh m = render_mesh(reduced(shape, static_cast<std::size_t>(std::max(triangles, 12))));
     if ((indices += m.indices.size()) > kMostIndices)
       throw Error("too-large",
                   fmt::format("these shapes have more than {} million triangles", kMostIndices / 3'000'000),
                   "RenderSolid shows them");
-    append(out, m.positions.size());
-    append(out, m.indices.size());
-    append(out, shape.mesh.triangles.size());
+    append(out, static_cast<std::uint32_t>(m.positions.size()));
+    append(out, static_cast<std::uint32_t>(m.indices.size()));
+    append(out, static_cast<std::uint32_t>(shape.mesh.triangles.size()));
     append(out, std::uint32_t{shape.color.size() == shape.mesh.vertices.size() && !shape.color.empty()});
     for (const Vec3& v : m.positions) append(out, v);
     for (const Vec3& v : m.normals) append(out, v);

@@ -42,7 +42,7 @@ struct Raster {
   ValueView view(Pixel&& pixel) const {
     std::string out;
     out.reserve(20 + std::size_t{4} * w() * h());
-    for (const int v : {w(), h(), sections, width, height}) append(out, v);
+    for (const int v : {w(), h(), sections, width, height}) append(out, static_cast<std::uint32_t>(v));
     for (int y = 0; y < height; y += factor)
       for (int x = 0; x < width; x += factor) append(out, pixel(x, y));
     return {kBytes, std::move(out)};
@@ -62,20 +62,22 @@ class Bytes {
       }
       from_[k] = from;
     }
-    for (int k = 0; k < kCells; ++k) start_[k] = encoded(static_cast<float>(k) / kCells);
+    for (int k = 0; k < kCells; ++k)
+      start_[k] = static_cast<std::uint8_t>(encoded(static_cast<float>(k) / kCells));
   }
   std::uint32_t at(float linear) const {
     if (!(linear > 0)) return 0;  // also NaN
     if (linear >= 1) return std::isfinite(linear) ? 255 : 0;
     int k = start_[static_cast<std::size_t>(linear * kCells)];
     while (k < 255 && linear >= from_[k + 1]) ++k;
-    return k;
+    return static_cast<std::uint32_t>(k);
   }
 
  private:
   static constexpr int kCells = 4096;
   static int encoded(float linear) {
-    return std::lround(255 * std::clamp(linear_to_srgb(Vec3f::Constant(linear))[0], 0.0f, 1.0f));
+    return static_cast<int>(
+        std::lround(255 * std::clamp(linear_to_srgb(Vec3f::Constant(linear))[0], 0.0f, 1.0f)));
   }
   std::array<float, 257> from_{};
   std::array<std::uint8_t, kCells> start_{};
@@ -92,8 +94,8 @@ std::uint32_t rgba(const Vec3f& linear) {
 
 std::uint32_t color_of(std::int32_t id) {
   if (id <= 0) return 0xff201c1au;
-  const double hue = std::fmod(id * 0.61803398875, 1.0) * 6;
-  const double light = 0.55 + 0.35 * std::fmod(id * 0.7548776662, 1.0);
+  const double hue = std::fmod(static_cast<double>(id) * 0.61803398875, 1.0) * 6;
+  const double light = 0.55 + 0.35 * std::fmod(static_cast<double>(id) * 0.7548776662, 1.0);
   std::uint32_t out = 0xff000000u;
   for (int k = 0; k < 3; ++k) {
     const double v = std::clamp(std::abs(std::fmod(hue + 6 - 2 * k, 6.0) - 3) - 1, 0.0, 1.0);
@@ -110,7 +112,7 @@ std::vector<std::uint32_t> profile_colors(const Labels& labels, int section) {
   out[0] = color_of(0);
   const std::size_t begin = labels.index(0, 0, section), end = labels.index(0, 0, section + 1);
   for (std::size_t k = begin; k < end; ++k) {
-    const std::size_t id = std::max(labels.ids[k], 0);
+    const auto id = static_cast<std::size_t>(std::max(labels.ids[k], 0));
     if (id < out.size() && out[id] == 0)
       out[id] = color_of(static_cast<std::int32_t>((k - begin) * 2654435761u % 1000003) + 1);
   }
@@ -171,7 +173,7 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
     if (as == "ids") return r.view([&](int x, int y) { return static_cast<std::uint32_t>(id(x, y)); });
     const auto colors = profile_colors(labels, r.section);
     return r.view([&](int x, int y) {
-      const std::size_t k = id(x, y);
+      const auto k = static_cast<std::size_t>(id(x, y));
       return k < colors.size() ? colors[k] : colors[0];
     });
   }

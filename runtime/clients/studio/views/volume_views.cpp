@@ -94,14 +94,14 @@ json volume_head(const Volume& volume) {
 std::string slice_view(const Volume& volume, const Slice& s, int most) {
   const VoxelBox box = voxel_box(volume);
   const int u = std::clamp(s.axis, 0, 2);
-  const int a = kSliceColumns[u], b = kSliceRows[u];
+  const int a = kSliceColumns[static_cast<std::size_t>(u)], b = kSliceRows[static_cast<std::size_t>(u)];
   const int width = box.size[a], height = box.size[b];
   const int factor = std::max(1, (std::max(width, height) + most - 1) / most);
   const int index = std::clamp(s.index, 0, box.size[u] - 1);
   std::string out;
   for (const int v :
        {(width + factor - 1) / factor, (height + factor - 1) / factor, box.size[u], width, height})
-    append(out, v);
+    append(out, static_cast<std::uint32_t>(v));
   with_colors(grid_of(volume, s.grid), s.lo, s.hi, [&](auto&& color, bool) {
     Eigen::Vector3i at;
     at[u] = box.first[u] + index;
@@ -121,8 +121,8 @@ std::string voxels_view(const Volume& volume, const Slice& s, int most) {
   most = std::min(most, kMost);
   const int factor = std::max(1, (box.size.maxCoeff() + most - 1) / most);
   std::string out;
-  for (int k = 0; k < 3; ++k) append(out, (box.size[k] + factor - 1) / factor);
-  append(out, factor);
+  for (int k = 0; k < 3; ++k) append(out, static_cast<std::uint32_t>((box.size[k] + factor - 1) / factor));
+  append(out, static_cast<std::uint32_t>(factor));
   const auto& grid = grid_of(volume, s.grid);
   const auto material = coverage(volume);
   with_colors(grid, s.lo, s.hi, [&](auto&& color, bool quantity) {
