@@ -63,8 +63,10 @@ Marks marks_of(const cv::Mat& ink, int highest) {
 bool neighbors(const Letter& a, const Letter& b) {  // a is not to the right of b
   const int higher = std::max(a.box.height, b.box.height), lower = std::min(a.box.height, b.box.height);
   const int gap = b.box.x - a.box.br().x;
-  return std::abs(a.box.br().y - b.box.br().y) <= std::max(1.0, 0.1 * higher) && lower >= 0.55 * higher &&
-         gap >= -0.2 * higher && gap <= 1.2 * higher &&
+  // The bottoms are on one line, or the tops where one letter has a descender, such as µ.
+  const int apart = std::min(std::abs(a.box.br().y - b.box.br().y), std::abs(a.box.y - b.box.y));
+  return apart <= std::max(1.0, 0.1 * higher) && lower >= 0.55 * higher && gap >= -0.2 * higher &&
+         gap <= 1.2 * higher &&
          std::abs(a.stroke - b.stroke) <= std::max(2.0, 0.5 * std::max(a.stroke, b.stroke));
 }
 
@@ -115,6 +117,8 @@ bool goes_on(const cv::Rect& row, const cv::Rect& text) {
 }
 
 }  // namespace
+
+std::vector<cv::Rect> find_bars(const cv::Mat& ink) { return marks_of(ink, 0).bars; }
 
 std::vector<cv::Rect> find_text(const cv::Mat& ink, int highest) {
   const Marks marks = marks_of(ink, highest);

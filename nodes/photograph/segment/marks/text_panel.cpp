@@ -54,6 +54,10 @@ cv::Rect grown(const cv::Rect& box, int by, const cv::Size& within) {
   return cv::Rect(box.x - by, box.y - by, box.width + 2 * by, box.height + 2 * by) & cv::Rect({0, 0}, within);
 }
 
+bool touches(const cv::Rect& box, const std::vector<cv::Rect>& some) {
+  return std::any_of(some.begin(), some.end(), [&](const cv::Rect& r) { return (r & box).area() > 0; });
+}
+
 // Whether ink stands out from what is around it.
 bool stands_out(const cv::Mat& levels, const cv::Mat& ink, const cv::Rect& box) {
   constexpr double kContrast = 45;  // levels
@@ -175,6 +179,19 @@ std::vector<cv::Rect> joined(std::vector<cv::Rect> boxes) {
   return boxes;
 }
 
+// The flat panels around scale bars without text.
+std::vector<cv::Rect> bar_panels(const cv::Mat& levels, const cv::Mat& ink,
+                                 const std::vector<cv::Rect>& known) {
+  std::vector<cv::Rect> out;
+  for (const cv::Rect& bar : find_bars(ink)) {
+    const cv::Rect around = grown(bar, std::max(4, bar.height), levels.size());
+    if (touches(around, known) || touches(around, out) || !stands_out(levels, ink, bar)) continue;
+    const auto panel = flat_panel(levels, ink, around);
+    if (panel && (*panel & around) == around) out.push_back(*panel);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<cv::Rect> find_text_panels(const cv::Mat& levels, const std::vector<cv::Rect>& known) {
@@ -187,10 +204,8 @@ std::vector<cv::Rect> find_text_panels(const cv::Mat& levels, const std::vector<
   for (std::size_t k = 0; k < strengths.size(); ++k) {
     const cv::Mat ink = ink_of(strengths[k], kFull[k], kSeen[k]);
     std::vector<cv::Rect> text = find_text(ink, levels.rows / 8);
-    std::erase_if(text, [&](const cv::Rect& box) {
-      return !stands_out(levels, ink, box) ||
-             std::any_of(known.begin(), known.end(), [&](const cv::Rect& r) { return (r & box).area() > 0; });
-    });
+    std::erase_if(text,
+                  [&](const cv::Rect& box) { return touches(box, known) || !stands_out(levels, ink, box); });
     for (const cv::Rect& box : text) {
       auto panel = flat_panel(levels, ink, box);
       if (!panel && !stands_alone(ink, box, text)) continue;
@@ -198,6 +213,8 @@ std::vector<cv::Rect> find_text_panels(const cv::Mat& levels, const std::vector<
       const cv::Rect around = grown(box, std::max(2, box.height / 3), levels.size());
       found.push_back(panel ? *panel | around : around);
     }
+    const std::vector<cv::Rect> panels = bar_panels(levels, ink, known);
+    found.insert(found.end(), panels.begin(), panels.end());
   }
   return joined(std::move(found));
 }

@@ -79,6 +79,28 @@ TEST(Captions, TextInThePictureIsFound) {
   }
 }
 
+// The one digit of "5 µm" is as high as its last letter, whose top it has: µ reaches below the line.
+TEST(Captions, ASingleDigitBesideABarIsFound) {
+  Image image = gray_micrograph(420, 300);
+  Coverage text(420, 300);
+  add_text(text, 290, 230, "5 µm", 36);
+  text.rectangle(265, 275, 385, 281);
+  text.paint(image, test::gray_level(255));
+  const auto found = captions_of(image);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ((found[0] & cv::Rect(266, 240, 118, 40)), cv::Rect(266, 240, 118, 40));
+}
+
+TEST(Captions, ABarInABoxIsFound) {
+  Image image = gray_micrograph(420, 300);
+  Coverage box(420, 300), bar(420, 300);
+  box.rectangle(260, 250, 400, 290), bar.rectangle(275, 267, 385, 273);
+  box.paint(image, test::gray_level(255)), bar.paint(image, test::gray_level(0));
+  const auto found = captions_of(image);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0], cv::Rect(260, 250, 140, 40));
+}
+
 // The picture shines through a panel, which belongs to the caption.
 TEST(Captions, APanelBelongsToItsText) {
   for (const float opacity : {0.5f, 1.0f}) {
@@ -122,28 +144,28 @@ TEST(Captions, PicturesWithoutTextHaveNone) {
 
 // The same area, fraction and colors as without the strip.
 TEST(Captions, SegmentIgnoresThemEverywhere) {
-  const Image picture = gray_micrograph(420, 300);
+  const Image picture = gray_micrograph(260, 180);
   const std::map<std::string, std::string> plain{{"method", "clusters"}, {"delight", "on"}};
   const auto alone = test::run_node("Segment", {{"image", Value::of(picture)}}, plain);
-  const Image both = test::with_strip(picture, 40, test::gray_level(0), test::gray_level(255));
+  const Image both = test::with_strip(picture, 30, test::gray_level(0), test::gray_level(255));
   const auto found = test::run_node("Segment", {{"image", Value::of(both)}}, plain);
   const auto &a = alone.output<Profiles>("profiles"), &b = found.output<Profiles>("profiles");
   EXPECT_NEAR(a.observed_area, b.observed_area, 1e-9);
   EXPECT_NEAR(a.area_fraction, b.area_fraction, 0.003);
   EXPECT_NEAR(a.binder_color[0], b.binder_color[0], 0.003f);
-  for (const Profile& p : b.profiles) EXPECT_GT(p.centroid.y(), 0.5 * 40);  // y goes up
+  for (const Profile& p : b.profiles) EXPECT_GT(p.centroid.y(), 0.5 * 30);  // y goes up
   const Labels &labels = found.output<Labels>("labels"), &unobserved = found.output<Labels>("unobserved");
   for (int y = 0; y < both.height; ++y)
     for (int x = 0; x < both.width; ++x) {
       const std::size_t i = both.index(x, y);
-      ASSERT_EQ(unobserved.ids[i], y >= 300 ? 1 : 0) << x << ' ' << y;
-      if (y >= 300) {
+      ASSERT_EQ(unobserved.ids[i], y >= 180 ? 1 : 0) << x << ' ' << y;
+      if (y >= 180) {
         ASSERT_EQ(labels.ids[i], 0);
       }
     }
   ASSERT_EQ(found.warnings.size(), 1u);
-  EXPECT_NE(found.warnings[0].find("rows 300 to 339 show a caption"), std::string::npos) << found.warnings[0];
-  EXPECT_NE(found.warnings[0].find("bar of 105"), std::string::npos) << found.warnings[0];
+  EXPECT_NE(found.warnings[0].find("rows 180 to 209 show a caption"), std::string::npos) << found.warnings[0];
+  EXPECT_NE(found.warnings[0].find("bar of 65"), std::string::npos) << found.warnings[0];
 
   auto keeping = plain;
   keeping["find_objects"] = "false";
@@ -153,7 +175,7 @@ TEST(Captions, SegmentIgnoresThemEverywhere) {
   // Given labels of the letters are no particles either.
   Labels given = labels;
   given.classes.push_back(0);
-  for (std::size_t i = both.index(0, 300); i < both.pixels.size(); ++i)
+  for (std::size_t i = both.index(0, 180); i < both.pixels.size(); ++i)
     if (both.pixels[i][0] > 0.5f) given.ids[i] = given.count();
   const auto measured =
       test::run_node("Segment", {{"image", Value::of(both)}, {"labels", Value::of(given)}}, {});
@@ -188,14 +210,20 @@ TEST(Captions, TheStripOfAMicrographIsIgnored) {
   if (data.empty()) GTEST_SKIP() << "no shared data";
   const auto file = (data / "reports" / "sem_strip.jpg").string();
   const auto loaded = test::run_node("LoadImage", {}, {{"path", file}});
-  const auto found =
-      test::run_node("Segment", {{"image", loaded.outputs.at("image")}}, {{"method", "clusters"}});
+  const Image& whole = loaded.output<Image>("image");
+  const auto captions = captions_of(whole);
+  ASSERT_EQ(captions.size(), 1u);
+  EXPECT_EQ(captions[0], cv::Rect(0, 650, 900, 70));
+  // The lower right corner suffices to see that the caption leaves no profiles.
+  Image corner(360, 390, 1, whole.pixel_size);
+  for (int y = 0; y < corner.height; ++y)
+    for (int x = 0; x < corner.width; ++x) corner.at(x, y) = whole.at(540 + x, 330 + y);
+  const auto found = test::run_node("Segment", {{"image", Value::of(corner)}}, {{"method", "clusters"}});
   const Profiles& p = found.output<Profiles>("profiles");
-  EXPECT_NEAR(static_cast<double>(p.profiles.size()), 60, 2);
-  for (const Profile& q : p.profiles)
-    EXPECT_GT(q.centroid.y() / loaded.output<Image>("image").pixel_size, 70);  // y goes up
+  EXPECT_EQ(p.profiles.size(), 10u);
+  for (const Profile& q : p.profiles) EXPECT_GT(q.centroid.y() / corner.pixel_size, 70);  // y goes up
   const Labels& unobserved = found.output<Labels>("unobserved");
-  EXPECT_EQ(std::count(unobserved.ids.begin(), unobserved.ids.end(), 1), 900 * 70);
+  EXPECT_EQ(std::count(unobserved.ids.begin(), unobserved.ids.end(), 1), 360 * 70);
 }
 
 }  // namespace
