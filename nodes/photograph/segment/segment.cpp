@@ -44,15 +44,27 @@ void classify(Segmentation& s, int k, std::uint64_t seed, const Work& work) {
   }
 }
 
-// Removes labels from ignored pixels, then those without pixels or with too little confidence, and renumbers
-// the rest. What such a particle covered is undecided.
+// Removes labels from ignored pixels, and what is left of a particle there if it is smaller than min_area.
+void cut_by_ignored(Segmentation& s) {
+  if (s.ignored.empty()) return;
+  std::vector<std::int64_t> seen(s.labels.classes.size() + 1, 0), hidden(seen.size(), 0);
+  for (std::size_t i = 0; i < s.labels.ids.size(); ++i) ++(s.ignored[i] ? hidden : seen)[s.labels.ids[i]];
+  const auto is_speck = [&](std::int32_t id) {
+    return id > 0 && hidden[id] > 0 && static_cast<double>(seen[id]) < s.min_area;
+  };
+  for (std::size_t i = 0; i < s.labels.ids.size(); ++i)
+    if (s.ignored[i] || is_speck(s.labels.ids[i])) s.labels.ids[i] = 0;
+  for (std::size_t k = 1; k < seen.size(); ++k)
+    if (seen[k] > 0 && is_speck(static_cast<std::int32_t>(k))) ++s.specks, s.speck_pixels += seen[k];
+}
+
+// Removes labels without pixels or with too little confidence, and renumbers the rest. What such a particle
+// covered is undecided.
 void drop_labels(Segmentation& s, std::vector<double>& confidence, double least) {
+  cut_by_ignored(s);
   const IgnoredPixels& ignored = s.ignored;
   std::vector<std::uint8_t> used(s.labels.classes.size() + 1, 0);
-  for (std::size_t i = 0; i < s.labels.ids.size(); ++i) {
-    if (!ignored.empty() && ignored[i]) s.labels.ids[i] = 0;
-    used[s.labels.ids[i]] = 1;
-  }
+  for (const auto id : s.labels.ids) used[id] = 1;
   std::vector<std::int32_t> number(used.size(), 0);
   std::int32_t count = 0;
   for (std::size_t k = 1; k < used.size(); ++k) {

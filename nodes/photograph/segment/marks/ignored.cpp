@@ -49,17 +49,24 @@ IgnoredPixels ignored_pixels(const Image& image, const std::vector<Area>& areas,
 void cover_ignored(Image& image, int section, const IgnoredPixels& ignored) {
   if (ignored.empty()) return;
   const std::size_t first = image.index(0, 0, section);
-  cv::Mat mask(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(ignored.data() + first));
+  const cv::Mat mask(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(ignored.data() + first));
   // Every pixel learns the number of its nearest zero pixel.
   cv::Mat distance, nearest;
   cv::distanceTransform(mask, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::vector<Vec3f> color(static_cast<std::size_t>(image.width) * image.height + 1, Vec3f::Zero());
+  std::vector<cv::Point> place(mask.total() + 1);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
-      if (mask.at<std::uint8_t>(y, x) == 0) color[nearest.at<int>(y, x)] = image.at(x, y, section);
+      if (mask.at<std::uint8_t>(y, x) == 0) place[nearest.at<int>(y, x)] = {x, y};
+  const cv::Rect whole({0, 0}, mask.size());
   for (int y = 0; y < image.height; ++y)
-    for (int x = 0; x < image.width; ++x)
-      if (mask.at<std::uint8_t>(y, x) != 0) image.at(x, y, section) = color[nearest.at<int>(y, x)];
+    for (int x = 0; x < image.width; ++x) {
+      if (mask.at<std::uint8_t>(y, x) == 0) continue;
+      const cv::Point edge = place[nearest.at<int>(y, x)];
+      // Less far behind the edge where the picture ends or is ignored too; the edge itself is seen.
+      cv::Point behind = edge - cv::Point(x, y);
+      while (!whole.contains(edge + behind) || mask.at<std::uint8_t>(edge + behind) != 0) behind /= 2;
+      image.at(x, y, section) = image.at(edge.x + behind.x, edge.y + behind.y, section);
+    }
 }
 
 Positions::Positions(const std::uint8_t* ignored, int width, int height)

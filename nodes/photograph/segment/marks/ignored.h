@@ -30,8 +30,8 @@ Area read_area(const std::string& text);
 // "size-mismatch" if the mask is of another picture, "empty-image" if no pixel is left.
 IgnoredPixels ignored_pixels(const Image&, const std::vector<Area>& areas, const Labels* mask);
 
-// Gives every ignored pixel of the section the color of the nearest pixel that is not ignored, so that it
-// adds no color of its own.
+// Mirrors the section at the edge of what is ignored, so that the ignored part adds no color of its own and
+// has the noise of the rest.
 void cover_ignored(Image&, int section, const IgnoredPixels&);
 
 // Number of positions in which the w × h pixels of a profile, with a rim of one pixel, lie in the picture and

@@ -52,19 +52,36 @@ TEST(Ignored, RectanglesAndPolygonsCoverTheirPixels) {
   EXPECT_EQ(test::code_of([&] { ignored_pixels(image, {}, &mask); }), "size-mismatch");
 }
 
-TEST(Ignored, CoveredPixelsTakeTheNearestColor) {
-  Image image(9, 5, 1, 1, Vec3f(1, 0, 0));
-  for (int y = 0; y < 5; ++y)
-    for (int x = 5; x < 9; ++x) image.at(x, y) = Vec3f(0, 1, 0);
+TEST(Ignored, CoveredPixelsMirrorWhatIsBesideThem) {
+  const Image plain(9, 5, 1, 1);
+  Image image = plain;
   IgnoredPixels ignored(45, 0);
   for (int y = 0; y < 5; ++y)
-    for (int x = 3; x < 8; ++x) ignored[image.index(x, y)] = 1, image.at(x, y) = Vec3f(0, 0, 1);
+    for (int x = 0; x < 9; ++x) {
+      image.at(x, y) = Vec3f::Constant(static_cast<float>(10 * y + x));
+      ignored[plain.index(x, y)] = x >= 3 && x < 8;
+    }
   cover_ignored(image, 0, ignored);
-  for (int y = 0; y < 5; ++y) {
-    EXPECT_EQ(image.at(3, y), Vec3f(1, 0, 0));
-    EXPECT_EQ(image.at(7, y), Vec3f(0, 1, 0));
-    for (int x = 0; x < 9; ++x) EXPECT_EQ(image.at(x, y)[2], 0);
-  }
+  const int from[] = {0, 1, 2, 1, 0, 2, 8, 8, 8};  // nothing is behind columns 0 and 8
+  for (int y = 0; y < 5; ++y)
+    for (int x = 0; x < 9; ++x)
+      if (x != 5) {  // as near to both edges
+        EXPECT_EQ(image.at(x, y)[0], static_cast<float>(10 * y + from[x])) << x << ' ' << y;
+      }
+}
+
+// What a mask leaves of a particle counts as a speck if it is smaller than min_area.
+TEST(Ignored, CutParticlesAreSpecks) {
+  Image image(60, 40, 1, 1, Vec3f::Constant(0.7f));
+  const auto square = [&](int left, int top) {
+    for (int y = top; y < top + 12; ++y)
+      for (int x = left; x < left + 12; ++x) image.at(x, y).setConstant(0.1f);
+  };
+  square(5, 5), square(25, 5), square(10, 26), square(40, 20);
+  const auto found = test::run_node(
+      "Segment", {{"image", Value::of(image)}},
+      {{"method", "clusters"}, {"binder", "lightest"}, {"min_area", "40"}, {"ignore", "[0 28 60 40]"}});
+  EXPECT_EQ(found.output<Profiles>("profiles").profiles.size(), 3u);  // 24 pixels of the third are seen
 }
 
 TEST(Ignored, PositionsAgainstBruteForce) {
