@@ -83,6 +83,7 @@ TEST(Rooms, NoIncludePointsUpOrAcross) {
   for (const auto& e : fs::recursive_directory_iterator(nodes)) {
     if (e.path().extension() != ".h" && e.path().extension() != ".cpp") continue;
     const fs::path path = e.path().lexically_relative(nodes);
+    if (!path.has_parent_path()) continue;  // register_nodes.h, above all districts
     const Room room = room_of(path);
     ASSERT_TRUE(std::count(kDistricts.begin(), kDistricts.end(), room.district))
         << path << " is in no district";
