@@ -139,39 +139,251 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
   return {w.data(), w.data() + n};
 }
 
-}  // namespace
-
-Fit fit_bodies(const FitRequest& request, const Work& work) {
+// The profiles, and how their outlines and those of sections of bodies are measured alike.
+struct Observation {
   OutlineMeasuring measuring;
-  measuring.points = kPoints;
-  std::vector<double> blurs, convexity, sizes;
-  for (const Outline& o : *request.all)
-    blurs.push_back(o.blur), convexity.push_back(o.convexity), sizes.push_back(std::sqrt(o.area));
+  double blur = 0;
+  std::vector<double> sizes;  // root areas of all profiles
+  FeatureSample sample;       // of the profiles that are not excluded
+};
+
+Observation observe(const std::vector<Outline>& all) {
+  Observation observed;
+  observed.measuring.points = kPoints;
+  std::vector<double> blurs, convexity;
+  for (const Outline& o : all) {
+    blurs.push_back(o.blur);
+    convexity.push_back(o.convexity);
+    observed.sizes.push_back(std::sqrt(o.area));
+  }
   // If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur
   // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
   // merged ones.
   const double blur = kPixelBlur * median(std::move(blurs));
-  measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
+  observed.blur = blur;
+  observed.measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
   std::sort(convexity.begin(), convexity.end());
   const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];
   const double least_convex = blur > 0 ? lower - 3 * (upper - lower) : 0;
 
-  FeatureSample observed;
-  for (const Outline& o : *request.all) {
+  for (const Outline& o : all) {
     if (o.convexity < least_convex) continue;
-    OutlineMeasuring seen = measuring;
+    OutlineMeasuring seen = observed.measuring;
     const double more = std::sqrt(std::max(0.0, blur * blur - o.blur * o.blur));
-    seen.blur = std::min(0.05, std::hypot(measuring.blur, more / o.perimeter));
+    seen.blur = std::min(0.05, std::hypot(observed.measuring.blur, more / o.perimeter));
     const OutlineFeatures f = outline_features(o.soft.empty() ? o.points : o.soft, seen);
     if (f[OutlineFeature::Circularity] <= 0) continue;
-    observed.features.push_back(f);
-    observed.root_area.push_back(std::sqrt(o.area));
-    observed.weight.push_back(1);
+    observed.sample.features.push_back(f);
+    observed.sample.root_area.push_back(std::sqrt(o.area));
+    observed.sample.weight.push_back(1);
   }
+  return observed;
+}
+
+std::size_t planes_per_trial(const FitRequest& request, std::size_t profiles) {
   const std::size_t most = std::clamp(kPlanesPerRound * request.rounds, kLeastPlanes, kMostPlanes);
-  const std::size_t planes =
-      request.planes ? request.planes : std::clamp(observed.features.size(), kLeastPlanes, most);
-  const FeatureTarget target(observed, request.one_size, request.seed);
+  return request.planes ? request.planes : std::clamp(profiles, kLeastPlanes, most);
+}
+
+// Sections of bodies, as the profiles would show them.
+struct SectionSampling {
+  OutlineMeasuring measuring;
+  double blur;
+  SizeSelection selection;
+
+  FeatureSample measure(std::vector<CutProfile> sections) const {
+    selection.apply(sections);
+    return measured(sections, measuring, blur);
+  }
+  FeatureSample sample(const Mesh& mesh, std::size_t planes) const {
+    return measure(cut_sections(mesh, planes));
+  }
+};
+
+// Puts the starting bodies first whose sections are closest to the profiles.
+void sort_starts(std::vector<Start>& starts, std::vector<std::vector<CutProfile>> sections,
+                 const FeatureTarget& target, const SectionSampling& sampling) {
+  for (std::size_t i = 0; i < starts.size(); ++i)
+    starts[i].distance = target.distance(sampling.measure(std::move(sections[i])));
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const Start& a, const Start& b) { return a.distance < b.distance; });
+}
+
+// Samples of the modeled starting bodies.
+std::vector<FeatureSample> sample_guesses(const SectionSampling& sampling, std::size_t planes,
+                                          std::uint64_t seed, const Work& work) {
+  std::vector<FeatureSample> guesses(kGuesses);
+  work.parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto family = modeled_bodies(seed, i);
+      guesses[i] = sampling.sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
+    }
+  });
+  return guesses;
+}
+
+enum class FamilyKind { Deformed, Cut, Modeled };
+
+// A search within one family of bodies.
+struct FamilySearch {
+  std::unique_ptr<BodyFamily> family;
+  std::string from;
+  FamilyKind kind;
+  LeastSquares at;
+  int guess = -1;  // index of a modeled body
+};
+
+// Finds one body after another. Each is compared with the profiles together with those before it.
+class BodySearch {
+ public:
+  BodySearch(const FitRequest& request, const FeatureTarget& target, const SectionSampling& sampling,
+             std::size_t planes, const std::vector<Start>& starts, std::vector<FeatureSample> guesses)
+      : request_(request),
+        target_(target),
+        sampling_(sampling),
+        planes_(planes),
+        starts_(starts),
+        guesses_(std::move(guesses)) {}
+
+  // Body k, after bodies 0 … k − 1.
+  FittedBody next(int k, const Work& work) {
+    // A round with each promising start, then the remaining rounds with the best.
+    std::vector<FamilySearch> searches = promising(k);
+    for (std::size_t i = 0; i < searches.size(); ++i) {
+      searches[i].at.x = Eigen::VectorXd::Zero(searches[i].family->dimensions());
+      const double share = 0.5 / searches.size();
+      const Work part = work.part(share * i, share * (i + 1));
+      improve(searches[i], k, 1, 0.4, std::min(planes_, kLeastPlanes), work, part);
+    }
+    FamilySearch& best = *std::min_element(
+        searches.begin(), searches.end(),
+        [](const FamilySearch& a, const FamilySearch& b) { return a.at.value < b.at.value; });
+    improve(best, k, request_.rounds, 0.25, planes_, work, work.part(0.5, 1));
+    if (k == 0) first_kind_ = best.kind;
+    // Do not start from the same modeled body again.
+    if (best.guess >= 0) guesses_[best.guess] = {};
+    FittedBody body{simple_body(*best.family, best.at.x, work), 0, best.kind != FamilyKind::Cut, best.from};
+    // All bodies so far have equal shares of the profiles.
+    const FeatureSample own = with_share(sampling_.sample(body.mesh, planes_), 1.0 / (k + 2));
+    for (double& w : before_.weight) w *= (k + 1.0) / (k + 2);
+    append(before_, own);
+    return body;
+  }
+
+ private:
+  // The searches that compete for body k.
+  std::vector<FamilySearch> promising(int k) const {
+    std::vector<FamilySearch> searches;
+    if (k == 0) {
+      for (std::size_t s = 0; s < std::min<std::size_t>(starts_.size(), 3); ++s)
+        searches.push_back(deformed(s, k));
+      searches.push_back(polyhedron(0, k));
+      add_modeled(2, k, searches);
+    } else if (first_kind_ == FamilyKind::Deformed) {
+      searches.push_back(deformed(k, k));
+      add_modeled(1, k, searches);
+    } else if (first_kind_ == FamilyKind::Cut) {
+      searches.push_back(polyhedron(k, k));
+      add_modeled(1, k, searches);
+    } else {
+      add_modeled(2, k, searches);
+    }
+    return searches;
+  }
+
+  FamilySearch deformed(std::size_t i, int k) const {
+    const Start& start = starts_[i % starts_.size()];
+    return {deformed_bodies(start.mesh, request_.seed + k), start.from, FamilyKind::Deformed, {}, -1};
+  }
+
+  FamilySearch polyhedron(std::size_t i, int k) const {
+    const Start& start = starts_[i % starts_.size()];
+    return {cut_bodies(start.mesh, request_.seed + k), start.from + ", cut", FamilyKind::Cut, {}, -1};
+  }
+
+  // Adds the `most` modeled bodies that are closest to the profiles.
+  void add_modeled(std::size_t most, int k, std::vector<FamilySearch>& searches) const {
+    std::vector<std::pair<double, int>> order;
+    for (std::size_t g = 0; g < kGuesses; ++g)
+      if (!guesses_[g].features.empty())
+        order.emplace_back(target_.distance(with_those_before(guesses_[g], k)), static_cast<int>(g));
+    std::sort(order.begin(), order.end());
+    for (std::size_t i = 0; i < std::min(most, order.size()); ++i) {
+      const int guess = order[i].second;
+      searches.push_back({modeled_bodies(request_.seed, guess), "a ball", FamilyKind::Modeled, {}, guess});
+    }
+  }
+
+  FeatureSample with_those_before(FeatureSample s, int k) const {
+    if (k > 0 && !s.features.empty()) {
+      s = with_share(std::move(s), 1.0 / (k + 1));
+      append(s, before_);
+    }
+    return s;
+  }
+
+  // `body`: of the whole search for body k; it is only asked whether to stop.
+  void improve(FamilySearch& search, int k, int rounds, double step, std::size_t planes, const Work& body,
+               const Work& work) const {
+    LeastSquaresOptions options;
+    options.rounds = rounds;
+    options.step = step;
+    const auto residuals = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+      body.check();
+      const Mesh mesh = search.family->body(x);
+      if (mesh.triangles.empty()) return {};
+      return target_.residuals(with_those_before(sampling_.sample(mesh, planes), k));
+    };
+    search.at = least_squares(residuals, search.at.x, options, work);
+  }
+
+  const FitRequest& request_;
+  const FeatureTarget& target_;
+  const SectionSampling& sampling_;
+  std::size_t planes_;
+  const std::vector<Start>& starts_;
+  std::vector<FeatureSample> guesses_;
+  FeatureSample before_;                          // of the bodies found
+  FamilyKind first_kind_ = FamilyKind::Deformed;  // family that won for the first body
+};
+
+// Gives the bodies their shares by number and the size of the particles, and drops those of negligible share.
+void mix(Fit& fit, const FeatureTarget& target, const SectionSampling& sampling, const Work& work) {
+  std::vector<FittedBody>& bodies = fit.bodies;
+  std::vector<FeatureSample> samples(bodies.size());
+  work.parallel(bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) samples[i] = sampling.sample(bodies[i].mesh, kLastPlanes);
+  });
+  const auto shares = shares_of(target, samples);
+  FeatureSample together;
+  double mean = 0, sum = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (shares[i] <= 0) continue;
+    // Convert shares of profiles to shares by number: divide by how many profiles one body shows.
+    bodies[i].probability = shares[i] / total_weight(samples[i]);
+    sum += bodies[i].probability;
+    append(together, with_share(samples[i], shares[i]));
+  }
+  for (std::size_t i = 0; i < together.weight.size(); ++i) mean += together.weight[i] * together.root_area[i];
+  mean /= total_weight(together);
+  fit.distance = target.distance(together);
+  const double scale = target.mean_root_area() / mean;
+  std::vector<FittedBody> kept;
+  for (FittedBody& body : bodies) {
+    if (body.probability / sum < 1e-3) continue;
+    for (auto& v : body.mesh.vertices) v *= scale;
+    body.probability /= sum;
+    kept.push_back(std::move(body));
+  }
+  fit.bodies = std::move(kept);
+}
+
+}  // namespace
+
+Fit fit_bodies(const FitRequest& request, const Work& work) {
+  const Observation observed = observe(*request.all);
+  const std::size_t planes = planes_per_trial(request, observed.sample.features.size());
+  const FeatureTarget target(observed.sample, request.one_size, request.seed);
 
   auto starts = starting_bodies(request, work.part(0, 0.05));
   if (starts.empty())
@@ -181,144 +393,20 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) started[i] = cut_sections(starts[i].mesh, planes);
   });
-  const SizeSelection selection = request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
-                                                   : SizeSelection(sizes, started);
-  const auto measure = [&](std::vector<CutProfile> sections) {
-    selection.apply(sections);
-    return measured(sections, measuring, blur);
-  };
-  const auto sample = [&](const Mesh& mesh, std::size_t planes) {
-    return measure(cut_sections(mesh, planes));
-  };
-  for (std::size_t i = 0; i < starts.size(); ++i)
-    starts[i].distance = target.distance(measure(std::move(started[i])));
-  std::stable_sort(starts.begin(), starts.end(),
-                   [](const Start& a, const Start& b) { return a.distance < b.distance; });
-
-  std::vector<FeatureSample> guesses(kGuesses);
-  work.part(0.08, 0.15).parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto family = modeled_bodies(request.seed, i);
-      guesses[i] = sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
-    }
-  });
+  const SectionSampling sampling{observed.measuring, observed.blur,
+                                 request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
+                                                  : SizeSelection(observed.sizes, started)};
+  sort_starts(starts, std::move(started), target, sampling);
 
   Fit fit;
   fit.start = starts[0].distance;
-  std::vector<Mesh> bodies;
-  FeatureSample before;
-  const int count = request.count;
-  enum class Kind { Deformed, Cut, Modeled } kind = Kind::Deformed;  // family that won for the first body
-  for (int k = 0; k < count; ++k) {
-    const double from = 0.15 + 0.83 * k / count;
-    const Work part = work.part(from, from + 0.83 / count);
-    const std::uint64_t seed = request.seed + k;
-    const auto with_those_before = [&](FeatureSample s) {
-      if (k > 0 && !s.features.empty()) {
-        s = with_share(std::move(s), 1.0 / (k + 1));
-        append(s, before);
-      }
-      return s;
-    };
-    const auto residuals_of = [&](const BodyFamily& family, const Eigen::VectorXd& x,
-                                  std::size_t planes) -> Eigen::VectorXd {
-      part.check();
-      const Mesh mesh = family.body(x);
-      if (mesh.triangles.empty()) return {};
-      const FeatureSample s = with_those_before(sample(mesh, planes));
-      return target.residuals(s);
-    };
-    // A round with each promising start, then the remaining rounds with the best.
-    struct Run {
-      std::unique_ptr<BodyFamily> family;
-      std::string from;
-      Kind kind;
-      LeastSquares at;
-      int guess = -1;  // index of a modeled body
-    };
-    std::vector<Run> runs;
-    const std::size_t n = starts.size();
-    const auto deformed = [&](std::size_t i) {
-      runs.push_back({deformed_bodies(starts[i % n].mesh, seed), starts[i % n].from, Kind::Deformed, {}, -1});
-    };
-    const auto polyhedron = [&](std::size_t i) {
-      runs.push_back({cut_bodies(starts[i % n].mesh, seed), starts[i % n].from + ", cut", Kind::Cut, {}, -1});
-    };
-    const auto modeled = [&](std::size_t most) {
-      std::vector<std::pair<double, int>> order;
-      for (std::size_t g = 0; g < kGuesses; ++g)
-        if (!guesses[g].features.empty())
-          order.emplace_back(target.distance(with_those_before(guesses[g])), static_cast<int>(g));
-      std::sort(order.begin(), order.end());
-      for (std::size_t i = 0; i < std::min(most, order.size()); ++i)
-        runs.push_back(
-            {modeled_bodies(request.seed, order[i].second), "a ball", Kind::Modeled, {}, order[i].second});
-    };
-    const std::size_t i = k;
-    if (k == 0) {
-      for (std::size_t s = 0; s < std::min<std::size_t>(n, 3); ++s) deformed(s);
-      polyhedron(0);
-      modeled(2);
-    } else if (kind == Kind::Deformed) {
-      deformed(i), modeled(1);
-    } else if (kind == Kind::Cut) {
-      polyhedron(i), modeled(1);
-    } else {
-      modeled(2);
-    }
-    const auto go = [&](Run& run, int rounds, double step, std::size_t planes, const Work& w) {
-      LeastSquaresOptions options;
-      options.rounds = rounds;
-      options.step = step;
-      run.at = least_squares([&](const Eigen::VectorXd& x) { return residuals_of(*run.family, x, planes); },
-                             run.at.x, options, w);
-    };
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      runs[i].at.x = Eigen::VectorXd::Zero(runs[i].family->dimensions());
-      const double share = 0.5 / runs.size();
-      go(runs[i], 1, 0.4, std::min(planes, kLeastPlanes), part.part(share * i, share * (i + 1)));
-    }
-    Run& best = *std::min_element(runs.begin(), runs.end(),
-                                  [](const Run& a, const Run& b) { return a.at.value < b.at.value; });
-    go(best, request.rounds, 0.25, planes, part.part(0.5, 1));
-    if (k == 0) kind = best.kind;
-    // Do not start from the same modeled body again.
-    if (best.guess >= 0) guesses[best.guess] = {};
-    bodies.push_back(simple_body(*best.family, best.at.x, part));
-    fit.bodies.push_back({{}, 0, best.kind != Kind::Cut, best.from});
-    // All bodies so far have equal shares of the profiles.
-    FeatureSample own = with_share(sample(bodies.back(), planes), 1.0 / (k + 2));
-    for (double& w : before.weight) w *= (k + 1.0) / (k + 2);
-    append(before, own);
+  BodySearch search(request, target, sampling, planes, starts,
+                    sample_guesses(sampling, planes, request.seed, work.part(0.08, 0.15)));
+  for (int k = 0; k < request.count; ++k) {
+    const double from = 0.15 + 0.83 * k / request.count;
+    fit.bodies.push_back(search.next(k, work.part(from, from + 0.83 / request.count)));
   }
-
-  std::vector<FeatureSample> samples(bodies.size());
-  work.part(0.98, 1).parallel(bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) samples[i] = sample(bodies[i], kLastPlanes);
-  });
-  const auto shares = shares_of(target, samples);
-  FeatureSample together;
-  double mean = 0, sum = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (shares[i] <= 0) continue;
-    // Convert shares of profiles to shares by number: divide by how many profiles one body shows.
-    fit.bodies[i].probability = shares[i] / total_weight(samples[i]);
-    sum += fit.bodies[i].probability;
-    append(together, with_share(samples[i], shares[i]));
-  }
-  for (std::size_t i = 0; i < together.weight.size(); ++i) mean += together.weight[i] * together.root_area[i];
-  mean /= total_weight(together);
-  fit.distance = target.distance(together);
-  const double scale = target.mean_root_area() / mean;
-  std::vector<FittedBody> kept;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (fit.bodies[i].probability / sum < 1e-3) continue;
-    for (auto& v : bodies[i].vertices) v *= scale;
-    fit.bodies[i].mesh = std::move(bodies[i]);
-    fit.bodies[i].probability /= sum;
-    kept.push_back(std::move(fit.bodies[i]));
-  }
-  fit.bodies = std::move(kept);
+  mix(fit, target, sampling, work.part(0.98, 1));
   return fit;
 }
 
