@@ -132,7 +132,8 @@ struct Buffer {
   }
   void bind(unsigned to) const { gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, to, name); }
   void copy(std::size_t from, const Buffer& to, std::size_t at, std::size_t n) const {
-    gl.BindBuffer(GL_COPY_READ_BUFFER, name), gl.BindBuffer(GL_COPY_WRITE_BUFFER, to.name);
+    gl.BindBuffer(GL_COPY_READ_BUFFER, name);
+    gl.BindBuffer(GL_COPY_WRITE_BUFFER, to.name);
     gl.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(from),
                          static_cast<GLintptr>(at), static_cast<GLsizeiptr>(n));
   }
@@ -150,7 +151,10 @@ struct LineTables {
       starts[a] = here();
       numbers.insert(numbers.end(), l.start.begin(), l.start.end());
       covers[a] = here();
-      for (const PatchCover& c : l.cover) numbers.push_back(c.patch[0]), numbers.push_back(c.count);
+      for (const PatchCover& c : l.cover) {
+        numbers.push_back(c.patch[0]);
+        numbers.push_back(c.count);
+      }
       voxels[a] = here();
       for (int k = 0; k < l.to - l.from; ++k) numbers.push_back(l.original_voxel(k));
       patches[a] = here();
@@ -192,181 +196,311 @@ BlockGl::~BlockGl() = default;
 
 const std::string& BlockGl::renderer() const { return gl_->context.renderer(); }
 
-void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, BlockRegion& region,
-                  const Work& work) {
-  Gl& gl = *gl_;
-  const TorusLines& lines = region.lines;
-  const Vec3i stored = region.field.size;
-  const std::size_t channels = region.field.channel.size(), voxels = region.field.channel[0].size();
-  const LineTables tables(lines);
-  using Buffer = Buffer<Gl>;
-  Buffer field(gl), matches(gl), next(gl), weight(gl), numbers(gl), texels(gl), maps(gl), table(gl);
-  numbers.fill(tables.numbers);
-  table.fill(WeightTable(passes.power).entries());
-  field.resize(channels * voxels * sizeof(float));
+// The passes over one region, whose arrays are on the device while this lives.
+class BlockGl::Run {
+ public:
+  Run(Gl&, const BlockPasses&, BlockProbe*, BlockRegion&, const Work&);
 
-  std::vector<ExemplarBuffers<Gl>> exemplars;
-  std::vector<int> first_texel;
-  {
-    std::vector<float> all;
-    for (std::size_t e = 0; e < passes.exemplars.size(); ++e) {
-      exemplars.emplace_back(gl, *passes.exemplars[e], passes.statistics.penalty[e]);
-      first_texel.push_back(static_cast<int>(all.size() / 4));
-      all.insert(all.end(), passes.exemplars[e]->texels.begin(), passes.exemplars[e]->texels.end());
-    }
-    texels.fill(all);
+  void run(bool to_blend);
+
+ private:
+  void upload_exemplars();
+  void upload_matches();
+  void download_field();
+  void download_weights();
+  void download_matches();
+
+  // Blend `i` and the map of values after it.
+  void blend(std::size_t i, const Work&);
+  void blend_patches(std::size_t i, const Vec3i& first, const Vec3i& last, const Work&);
+  void map_values(std::size_t i, const Vec3i& first, const Vec3i& last);
+  // The search of iteration `i` in the slices of family `k`.
+  void search(std::size_t i, std::size_t k, const Work&);
+  void set_exemplar(const NeighborField&);
+  void set_random_numbers(std::size_t i, const NeighborField&);
+  // Turns squared distances into weights.
+  void weigh(std::size_t i, std::size_t k);
+  // Copies what lies beyond one period of closed lines from its originals.
+  void copy_beyond(const Buffer<Gl>& what, std::size_t first, const Vec3i& size, const Vec3i& at);
+
+  // The patches of a family over a box: columns, rows and slices.
+  struct PatchBox {
+    Vec3i first, last;
+  };
+  PatchBox patches_over(const TorusBox&, const NeighborField&) const;
+
+  Gl& gl_;
+  const BlockPasses& passes_;
+  BlockProbe* probe_;
+  BlockRegion& region_;
+  const Work& work_;
+  const TorusLines& lines_;
+  std::size_t channels_, voxels_;
+  LineTables tables_;
+  Buffer<Gl> field_, matches_, next_, weight_, numbers_, texels_, maps_, table_;
+  std::vector<ExemplarBuffers<Gl>> exemplars_;
+  std::vector<int> first_texel_;          // of each exemplar
+  std::vector<std::size_t> first_match_;  // of each family
+};
+
+BlockGl::Run::Run(Gl& gl, const BlockPasses& passes, BlockProbe* probe, BlockRegion& region, const Work& work)
+    : gl_(gl),
+      passes_(passes),
+      probe_(probe),
+      region_(region),
+      work_(work),
+      lines_(region.lines),
+      channels_(region.field.channel.size()),
+      voxels_(region.field.channel[0].size()),
+      tables_(region.lines),
+      field_(gl),
+      matches_(gl),
+      next_(gl),
+      weight_(gl),
+      numbers_(gl),
+      texels_(gl),
+      maps_(gl),
+      table_(gl) {
+  numbers_.fill(tables_.numbers);
+  table_.fill(WeightTable(passes.power).entries());
+  field_.resize(channels_ * voxels_ * sizeof(float));
+  upload_exemplars();
+  upload_matches();
+}
+
+void BlockGl::Run::upload_exemplars() {
+  std::vector<float> all;
+  for (std::size_t e = 0; e < passes_.exemplars.size(); ++e) {
+    const ExemplarLevel& exemplar = *passes_.exemplars[e];
+    exemplars_.emplace_back(gl_, exemplar, passes_.statistics.penalty[e]);
+    first_texel_.push_back(static_cast<int>(all.size() / 4));
+    all.insert(all.end(), exemplar.texels.begin(), exemplar.texels.end());
   }
-  std::vector<std::size_t> first_match;
+  texels_.fill(all);
+}
+
+void BlockGl::Run::upload_matches() {
   std::size_t all = 0, most = 0;
-  for (const NeighborField& f : region.families) {
-    first_match.push_back(all);
+  for (const NeighborField& f : region_.families) {
+    first_match_.push_back(all);
     all += f.at.size();
     most = std::max(most, f.at.size());
   }
-  matches.resize(all * sizeof(std::uint32_t)), weight.resize(all * sizeof(float));
-  next.resize(most * sizeof(std::uint32_t));
-  for (std::size_t k = 0; k < region.families.size(); ++k) {
-    const NeighborField& f = region.families[k];
-    matches.write(first_match[k] * sizeof(std::uint32_t), f.at);
-    weight.write(first_match[k] * sizeof(float), f.weight);
+  matches_.resize(all * sizeof(std::uint32_t));
+  weight_.resize(all * sizeof(float));
+  next_.resize(most * sizeof(std::uint32_t));
+  for (std::size_t k = 0; k < region_.families.size(); ++k) {
+    const NeighborField& f = region_.families[k];
+    matches_.write(first_match_[k] * sizeof(std::uint32_t), f.at);
+    weight_.write(first_match_[k] * sizeof(float), f.weight);
   }
+}
 
-  const bool closed = lines[0].closed || lines[1].closed || lines[2].closed;
-  const auto copy_beyond = [&](const Buffer& what, std::size_t first, const Vec3i& size, const Vec3i& at) {
-    if (!closed) return;
-    gl.use(gl.copy);
-    what.bind(0), numbers.bind(4);
-    gl.set("size", size), gl.set("originals_at", at), gl.set("first_number", static_cast<int>(first));
-    gl.dispatch(size, work.quiet(), [&](int z, int) { gl.set("first_slice", z); });
-  };
+void BlockGl::Run::download_field() {
+  for (std::size_t c = 0; c < channels_; ++c)
+    field_.read(c * voxels_ * sizeof(float), region_.field.channel[c]);
+}
 
-  const auto blend = [&](std::size_t i, const Work& step) {
-    const TorusBox& box = passes.plan.blend[i];
-    gl.use(gl.blend);
-    field.bind(0), matches.bind(1), weight.bind(3), numbers.bind(4), texels.bind(5);
-    gl.set("channels", static_cast<int>(channels)), gl.set("voxels", static_cast<int>(voxels));
-    gl.set("families", static_cast<int>(region.families.size()));
-    gl.set("size", stored), gl.set("window", passes.windows[i]);
-    for (std::size_t k = 0; k < region.families.size(); ++k) {
-      const NeighborField& f = region.families[k];
-      const std::size_t axis = f.axis;
-      const auto put = [&](const char* name, int v) { gl.set(fmt::format("{}[{}]", name, k), v); };
-      put("axis_u", kSliceColumns[axis]), put("axis_v", kSliceRows[axis]), put("axis_s", f.axis);
-      put("first_match", static_cast<int>(first_match[k]));
-      put("columns", f.columns), put("rows", f.rows);
-      put("first_texel", first_texel[f.exemplar]);
-      put("exemplar_width", passes.exemplars[f.exemplar]->width);
-    }
-    Vec3i first, last;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const Eigen::Index k = a;
-      gl.set(fmt::format("starts_at[{}]", a), tables.starts[a]);
-      gl.set(fmt::format("covers_at[{}]", a), tables.covers[a]);
-      gl.set(fmt::format("from[{}]", a), lines[a].from);
-      first[k] = box.lo[k] - lines[a].from;
-      last[k] = box.hi[k] - lines[a].from;
-    }
-    gl.dispatch(first, last, step);
-    if (probe) {
-      for (std::size_t c = 0; c < channels; ++c)
-        field.read(c * voxels * sizeof(float), region.field.channel[c]);
-      measure_values(*probe, region, work.quiet());
-    }
-    std::vector<Remap::Bin> bins;
-    for (const ValueMap& m : passes.statistics.values[i])
-      bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
-    maps.fill(bins);
-    gl.use(gl.map);
-    field.bind(0), maps.bind(6);
-    gl.set("voxels", static_cast<int>(voxels)), gl.set("size", stored);
-    for (std::size_t c = 0; c < channels; ++c) {
-      const Remap& map = passes.statistics.values[i][c].map();
-      gl.set("channel", static_cast<int>(c));
-      gl.set("map_low", map.low()), gl.set("map_scale", map.scale());
-      gl.dispatch(first, last, work.quiet());
-    }
-    for (std::size_t c = 0; c < channels; ++c)
-      copy_beyond(field, c * voxels, stored, Vec3i(tables.voxels[0], tables.voxels[1], tables.voxels[2]));
-  };
+void BlockGl::Run::download_weights() {
+  for (std::size_t k = 0; k < region_.families.size(); ++k)
+    weight_.read(first_match_[k] * sizeof(float), region_.families[k].weight);
+}
 
-  const auto search = [&](std::size_t i, std::size_t k, const Work& step) {
-    const TorusBox& box = passes.plan.blend[i + 1];
-    const NeighborField& f = region.families[k];
-    const std::size_t of = f.exemplar, axis = f.axis;
-    const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-    const TorusLine &u = lines[ua], &v = lines[va], &s = lines[axis];
-    const ExemplarLevel& e = *passes.exemplars[of];
-    const std::size_t bytes = f.at.size() * sizeof(std::uint32_t),
-                      at = first_match[k] * sizeof(std::uint32_t);
-    matches.copy(at, next, 0, bytes);
-    gl.use(gl.search);
-    field.bind(0), matches.bind(1), next.bind(2), weight.bind(3), numbers.bind(4);
-    exemplars[of].features.bind(5), exemplars[of].similar.bind(6), exemplars[of].model.bind(7);
-    gl.set("channels", static_cast<int>(channels)), gl.set("dims", e.space.dims);
-    gl.set("exemplar_width", e.width), gl.set("exemplar_height", e.height);
-    gl.set("bias_at", exemplars[of].bias_at), gl.set("penalty_at", exemplars[of].penalty_at);
-    gl.set("first_match", static_cast<int>(first_match[k]));
-    gl.set("columns", f.columns), gl.set("rows", f.rows), gl.set("voxels", static_cast<int>(voxels));
-    const Vec3i steps(1, stored.x(), stored.x() * stored.y());
-    gl.set("stride", Vec3i(steps[ua], steps[va], steps[f.axis]));
-    gl.Uniform2i(gl.at("starts_at"), tables.starts[ua], tables.starts[va]);
-    gl.Uniform2i(gl.at("from"), u.from, v.from);
-    const Vec3i around(patches_around(u.period), patches_around(v.period), s.period);
-    gl.set("number",
-           Vec3i(wrapped(u.first, around.x()), wrapped(v.first, around.y()), wrapped(s.from, around.z())));
-    gl.set("around", around);
-    gl.Uniform1ui(gl.at("key"),
-                  search_key(passes.search.seed, passes.search.iteration + static_cast<int>(i), f.axis));
-    gl.set("copying", passes.search.copying);
-    const auto columns = u.patches_over(box, ua), rows = v.patches_over(box, va);
-    const Vec3i first(columns[0], rows[0], box.lo[f.axis] - s.from),
-        last(columns[1], rows[1], box.hi[f.axis] - s.from);
-    gl.dispatch(first, last, step);
-    next.copy(0, matches, at, bytes);
-  };
+void BlockGl::Run::download_matches() {
+  for (std::size_t k = 0; k < region_.families.size(); ++k)
+    matches_.read(first_match_[k] * sizeof(std::uint32_t), region_.families[k].at);
+}
 
-  // Turns squared distances into weights.
-  const auto weigh = [&](std::size_t i, std::size_t k) {
-    const TorusBox& box = passes.plan.blend[i + 1];
-    const NeighborField& f = region.families[k];
+void BlockGl::Run::copy_beyond(const Buffer<Gl>& what, std::size_t first, const Vec3i& size,
+                               const Vec3i& at) {
+  if (!lines_[0].closed && !lines_[1].closed && !lines_[2].closed) return;
+  gl_.use(gl_.copy);
+  what.bind(0);
+  numbers_.bind(4);
+  gl_.set("size", size);
+  gl_.set("originals_at", at);
+  gl_.set("first_number", static_cast<int>(first));
+  gl_.dispatch(size, work_.quiet(), [&](int z, int) { gl_.set("first_slice", z); });
+}
+
+void BlockGl::Run::blend(std::size_t i, const Work& work) {
+  const TorusBox& box = passes_.plan.blend[i];
+  Vec3i first, last;
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    first[k] = box.lo[k] - lines_[k].from;
+    last[k] = box.hi[k] - lines_[k].from;
+  }
+  blend_patches(i, first, last, work);
+  if (probe_) {
+    download_field();
+    measure_values(*probe_, region_, work_.quiet());
+  }
+  map_values(i, first, last);
+  const Vec3i originals(tables_.voxels[0], tables_.voxels[1], tables_.voxels[2]);
+  for (std::size_t c = 0; c < channels_; ++c) copy_beyond(field_, c * voxels_, region_.field.size, originals);
+}
+
+void BlockGl::Run::blend_patches(std::size_t i, const Vec3i& first, const Vec3i& last, const Work& work) {
+  gl_.use(gl_.blend);
+  field_.bind(0);
+  matches_.bind(1);
+  weight_.bind(3);
+  numbers_.bind(4);
+  texels_.bind(5);
+  gl_.set("channels", static_cast<int>(channels_));
+  gl_.set("voxels", static_cast<int>(voxels_));
+  gl_.set("families", static_cast<int>(region_.families.size()));
+  gl_.set("size", region_.field.size);
+  gl_.set("window", passes_.windows[i]);
+  for (std::size_t k = 0; k < region_.families.size(); ++k) {
+    const NeighborField& f = region_.families[k];
     const std::size_t axis = f.axis;
-    const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-    const auto columns = lines[ua].patches_over(box, ua), rows = lines[va].patches_over(box, va);
-    gl.use(gl.weigh);
-    weight.bind(3), table.bind(7);
-    gl.set("first_match", static_cast<int>(first_match[k]));
-    gl.set("columns", f.columns), gl.set("rows", f.rows);
-    gl.set("inverse_floor", 1 / passes.statistics.floor[i][k]);
-    const Vec3i first(columns[0], rows[0], box.lo[f.axis] - lines[axis].from),
-        last(columns[1], rows[1], box.hi[f.axis] - lines[axis].from);
-    gl.dispatch(first, last, work.quiet());
-    const Vec3i size(f.columns, f.rows, f.slices),
-        from(tables.patches[ua], tables.patches[va], tables.voxels[axis]);
-    copy_beyond(matches, first_match[k], size, from);
-    copy_beyond(weight, first_match[k], size, from);
-  };
+    const auto put = [&](const char* name, int v) { gl_.set(fmt::format("{}[{}]", name, k), v); };
+    put("axis_u", kSliceColumns[axis]);
+    put("axis_v", kSliceRows[axis]);
+    put("axis_s", f.axis);
+    put("first_match", static_cast<int>(first_match_[k]));
+    put("columns", f.columns);
+    put("rows", f.rows);
+    put("first_texel", first_texel_[f.exemplar]);
+    put("exemplar_width", passes_.exemplars[f.exemplar]->width);
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    gl_.set(fmt::format("starts_at[{}]", a), tables_.starts[a]);
+    gl_.set(fmt::format("covers_at[{}]", a), tables_.covers[a]);
+    gl_.set(fmt::format("from[{}]", a), lines_[a].from);
+  }
+  gl_.dispatch(first, last, work);
+}
 
-  const std::size_t rounds = passes.plan.blend.size() - 1;
-  blend(0, work.part(0, 0.1));
+void BlockGl::Run::map_values(std::size_t i, const Vec3i& first, const Vec3i& last) {
+  std::vector<Remap::Bin> bins;
+  for (const ValueMap& m : passes_.statistics.values[i])
+    bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
+  maps_.fill(bins);
+  gl_.use(gl_.map);
+  field_.bind(0);
+  maps_.bind(6);
+  gl_.set("voxels", static_cast<int>(voxels_));
+  gl_.set("size", region_.field.size);
+  for (std::size_t c = 0; c < channels_; ++c) {
+    const Remap& map = passes_.statistics.values[i][c].map();
+    gl_.set("channel", static_cast<int>(c));
+    gl_.set("map_low", map.low());
+    gl_.set("map_scale", map.scale());
+    gl_.dispatch(first, last, work_.quiet());
+  }
+}
+
+BlockGl::Run::PatchBox BlockGl::Run::patches_over(const TorusBox& box, const NeighborField& f) const {
+  const std::size_t axis = f.axis;
+  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+  const auto columns = lines_[ua].patches_over(box, ua), rows = lines_[va].patches_over(box, va);
+  return {{columns[0], rows[0], box.lo[f.axis] - lines_[axis].from},
+          {columns[1], rows[1], box.hi[f.axis] - lines_[axis].from}};
+}
+
+void BlockGl::Run::search(std::size_t i, std::size_t k, const Work& work) {
+  const NeighborField& f = region_.families[k];
+  const std::size_t axis = f.axis;
+  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+  const std::size_t bytes = f.at.size() * sizeof(std::uint32_t);
+  const std::size_t at = first_match_[k] * sizeof(std::uint32_t);
+  matches_.copy(at, next_, 0, bytes);
+  gl_.use(gl_.search);
+  field_.bind(0);
+  matches_.bind(1);
+  next_.bind(2);
+  weight_.bind(3);
+  numbers_.bind(4);
+  set_exemplar(f);
+  gl_.set("channels", static_cast<int>(channels_));
+  gl_.set("first_match", static_cast<int>(first_match_[k]));
+  gl_.set("columns", f.columns);
+  gl_.set("rows", f.rows);
+  gl_.set("voxels", static_cast<int>(voxels_));
+  const Vec3i& stored = region_.field.size;
+  const Vec3i steps(1, stored.x(), stored.x() * stored.y());
+  gl_.set("stride", Vec3i(steps[ua], steps[va], steps[f.axis]));
+  gl_.Uniform2i(gl_.at("starts_at"), tables_.starts[ua], tables_.starts[va]);
+  gl_.Uniform2i(gl_.at("from"), lines_[ua].from, lines_[va].from);
+  set_random_numbers(i, f);
+  gl_.set("copying", passes_.search.copying);
+  const PatchBox patches = patches_over(passes_.plan.blend[i + 1], f);
+  gl_.dispatch(patches.first, patches.last, work);
+  next_.copy(0, matches_, at, bytes);
+}
+
+void BlockGl::Run::set_exemplar(const NeighborField& f) {
+  const ExemplarLevel& exemplar = *passes_.exemplars[f.exemplar];
+  const ExemplarBuffers<Gl>& buffers = exemplars_[f.exemplar];
+  buffers.features.bind(5);
+  buffers.similar.bind(6);
+  buffers.model.bind(7);
+  gl_.set("dims", exemplar.space.dims);
+  gl_.set("exemplar_width", exemplar.width);
+  gl_.set("exemplar_height", exemplar.height);
+  gl_.set("bias_at", buffers.bias_at);
+  gl_.set("penalty_at", buffers.penalty_at);
+}
+
+// Random numbers depend on the place in the whole solid, so a patch draws the same ones in every block.
+void BlockGl::Run::set_random_numbers(std::size_t i, const NeighborField& f) {
+  const std::size_t axis = f.axis;
+  const TorusLine& u = lines_[kSliceColumns[axis]];
+  const TorusLine& v = lines_[kSliceRows[axis]];
+  const TorusLine& s = lines_[axis];
+  const Vec3i around(patches_around(u.period), patches_around(v.period), s.period);
+  gl_.set("number",
+          Vec3i(wrapped(u.first, around.x()), wrapped(v.first, around.y()), wrapped(s.from, around.z())));
+  gl_.set("around", around);
+  const int iteration = passes_.search.iteration + static_cast<int>(i);
+  gl_.Uniform1ui(gl_.at("key"), search_key(passes_.search.seed, iteration, f.axis));
+}
+
+void BlockGl::Run::weigh(std::size_t i, std::size_t k) {
+  const NeighborField& f = region_.families[k];
+  const std::size_t axis = f.axis;
+  gl_.use(gl_.weigh);
+  weight_.bind(3);
+  table_.bind(7);
+  gl_.set("first_match", static_cast<int>(first_match_[k]));
+  gl_.set("columns", f.columns);
+  gl_.set("rows", f.rows);
+  gl_.set("inverse_floor", 1 / passes_.statistics.floor[i][k]);
+  const PatchBox patches = patches_over(passes_.plan.blend[i + 1], f);
+  gl_.dispatch(patches.first, patches.last, work_.quiet());
+  const Vec3i size(f.columns, f.rows, f.slices);
+  const Vec3i originals(tables_.patches[kSliceColumns[axis]], tables_.patches[kSliceRows[axis]],
+                        tables_.voxels[axis]);
+  copy_beyond(matches_, first_match_[k], size, originals);
+  copy_beyond(weight_, first_match_[k], size, originals);
+}
+
+void BlockGl::Run::run(bool to_blend) {
+  const std::size_t rounds = passes_.plan.blend.size() - 1;
+  blend(0, work_.part(0, 0.1));
   for (std::size_t i = 0; i < rounds; ++i) {
     const auto share = [&](double x) { return 0.1 + 0.9 * (i + x) / rounds; };
-    const double families = region.families.size();
-    for (std::size_t k = 0; k < region.families.size(); ++k)
-      search(i, k, work.part(share(0.6 * k / families), share(0.6 * (k + 1) / families)));
-    if (probe) {
-      for (std::size_t k = 0; k < region.families.size(); ++k)
-        weight.read(first_match[k] * sizeof(float), region.families[k].weight);
-      measure_floors(*probe, region);
+    const double families = region_.families.size();
+    for (std::size_t k = 0; k < region_.families.size(); ++k)
+      search(i, k, work_.part(share(0.6 * k / families), share(0.6 * (k + 1) / families)));
+    if (probe_) {
+      download_weights();
+      measure_floors(*probe_, region_);
     }
-    for (std::size_t k = 0; k < region.families.size(); ++k) weigh(i, k);
-    if (i + 1 < rounds || to_blend) blend(i + 1, work.part(share(0.6), share(1)));
+    for (std::size_t k = 0; k < region_.families.size(); ++k) weigh(i, k);
+    if (i + 1 < rounds || to_blend) blend(i + 1, work_.part(share(0.6), share(1)));
   }
-  for (std::size_t k = 0; k < region.families.size(); ++k) {
-    matches.read(first_match[k] * sizeof(std::uint32_t), region.families[k].at);
-    weight.read(first_match[k] * sizeof(float), region.families[k].weight);
-  }
-  for (std::size_t c = 0; c < channels; ++c) field.read(c * voxels * sizeof(float), region.field.channel[c]);
-  gl.check();
+  download_matches();
+  download_weights();
+  download_field();
+  gl_.check();
+}
+
+void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, BlockRegion& region,
+                  const Work& work) {
+  Run(*gl_, passes, probe, region, work).run(to_blend);
 }
 
 }  // namespace terrazzo::solids

@@ -25,6 +25,7 @@ class BlockGl {
 
  private:
   struct Gl;
+  class Run;
   std::unique_ptr<Gl> gl_;
 };
 
