@@ -248,23 +248,18 @@ void choose_sizes(std::vector<Member>& members, const SizeDistribution& d, const
   apply(std::exp(0.5 * (lo + hi)));
 }
 
-}  // namespace
-
-double most_enlarged(const PopulationOptions& o) {
-  const auto count = static_cast<double>(o.count);
-  return std::max(count, std::min(10 * count, kMostEnlarged));
-}
-
-Population populate(const SizeDistribution& d, const Shapes& shapes, const Particles* start,
-                    const PopulationOptions& o, const Work& work) {
-  check(d, shapes);
+void check_void_classes(const SizeDistribution& d, const PopulationOptions& o) {
   for (const std::int64_t cls : o.void_classes)
     if (std::none_of(d.shapes.begin(), d.shapes.end(), [&](const auto& e) { return e.cls == cls; }))
       throw Error("no-such-class", fmt::format("the distribution has no class {}", cls),
                   "use a class of the distribution, or all")
           .parameter("voids");
-  Population out;
-  auto cells = cells_of(d, shapes);
+}
+
+// Scales the number densities if the volume fraction is to be kept, or if they overfill the box. Returns
+// their sum.
+double scale_densities(std::vector<Cell>& cells, const SizeDistribution& d, const PopulationOptions& o,
+                       Population& out) {
   double density = 0, computed = 0;
   for (const auto& c : cells) {
     density += c.density;
@@ -300,6 +295,125 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
                 fmt::format("the particles would fill {:.3f} of the box; it must be less than 1",
                             out.requested_fraction),
                 "lower the densities or the volume fraction");
+  return density;
+}
+
+// Throws if the box would hold more than the allowed number of particles.
+void check_expected(double expected, const Vec3& box, const PopulationOptions& o) {
+  // Exactly `most` particles are allowed despite the rounding of their box.
+  if (expected > static_cast<double>(o.most) + 0.5)
+    throw Error(
+        "too-many-particles",
+        fmt::format(
+            "the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles; at most {} are allowed",
+            box[0], box[1], box[2], expected, o.most),
+        o.edges.empty() ? "lower `count`" : "make the box smaller, or leave out the smallest classes")
+        .parameter(o.edges.empty() ? "count" : "size");
+}
+
+// Rounds the counts with the phase that best matches the volume `target` of the particles.
+void choose_counts(std::vector<Cell>& cells, double volume, double target) {
+  double best_phase = 0.5, least = 1e300;
+  for (int k = 0; k < 32; ++k) {
+    const double phase = (k + 0.5) / 32;
+    const double error = std::abs(round_counts(cells, volume, phase) - target);
+    if (error < least - 1e-12 * target) {
+      least = error;
+      best_phase = phase;
+    }
+  }
+  round_counts(cells, volume, best_phase);
+}
+
+// Whether particle i of `start` can be one of these.
+bool fits_cell(const Particles& start, std::size_t i, const Cell& cell, const SizeDistribution& d,
+               const Shapes& shapes) {
+  const auto& entry = d.shapes[cell.entry];
+  const double lo = d.class_edges[cell.cls] * (1 - 1e-9), hi = d.class_edges[cell.cls + 1] * (1 + 1e-9);
+  if (start.cls[i] != entry.cls || start.size[i] < lo || start.size[i] > hi) return false;
+  if (start.shape[i] < 0 || start.shape[i] >= static_cast<int>(shapes.shapes.size())) return false;
+  if (entry.shape >= 0 && start.shape[i] != entry.shape) return false;
+  return start.position[i].allFinite() && start.orientation[i].norm() > 1e-6;
+}
+
+// The particles of all cells: first those of `start` for which a cell has room, then new ones.
+std::vector<Member> members_of(const std::vector<Cell>& cells, const SizeDistribution& d,
+                               const Shapes& shapes, const Particles* start, std::uint64_t seed) {
+  std::vector<Member> members;
+  std::vector<bool> used(start ? start->count() : 0, false);
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    const Cell& cell = cells[c];
+    std::int64_t have = 0;
+    for (std::size_t i = 0; i < used.size() && have < cell.count; ++i) {
+      if (used[i] || !fits_cell(*start, i, cell, d, shapes)) continue;
+      used[i] = true;
+      members.push_back({cell.entry, cell.cls, start->shape[i], 0, start->size[i], static_cast<int>(i)});
+      ++have;
+    }
+    add_members(cell, c, static_cast<std::size_t>(cell.count - have), d, shapes, seed, members);
+  }
+  return members;
+}
+
+// Puts kept particles first, in their order, then the others from the largest.
+void sort_members(std::vector<Member>& members, const Shapes& shapes) {
+  const auto radius = [&](const Member& m) {
+    return std::cbrt(unit_volume(shapes.shapes[m.shape])) * m.size;
+  };
+  std::stable_sort(members.begin(), members.end(), [&](const Member& a, const Member& b) {
+    if ((a.start >= 0) != (b.start >= 0)) return a.start >= 0;
+    if (a.start >= 0) return a.start < b.start;
+    return radius(a) > radius(b);
+  });
+}
+
+// Gives particle i the place of the kept one.
+void keep_place(Particles& p, std::size_t i, const Particles& start, std::size_t from) {
+  p.position[i] = start.position[from];
+  if (start.box != p.box) p.position[i] = p.position[i].cwiseQuotient(start.box).cwiseProduct(p.box);
+  p.position[i] = wrap_point(p.position[i], p.box);
+  p.orientation[i] = start.orientation[from];
+  if (std::abs(p.orientation[i].norm() - 1) > 1e-9) p.orientation[i].normalize();
+  if (!p.is_void(i)) p.color[i] = start.color[from];
+}
+
+// Turns the members into particles of a box that is known.
+void fill_particles(const std::vector<Member>& members, const SizeDistribution& d, const Shapes& shapes,
+                    const Particles* start, const PopulationOptions& o, Population& out) {
+  Particles& p = out.particles;
+  p.resize(members.size());
+  if (o.all_void || !o.void_classes.empty()) p.voids.resize(members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const Member& m = members[i];
+    p.shape[i] = m.shape;
+    p.cls[i] = d.shapes[m.entry].cls;
+    p.size[i] = m.size;
+    p.scale[i] = m.size / shapes.shapes[m.shape].size();
+    out.size_class.push_back(m.size_class);
+    if (!p.voids.empty())
+      p.voids[i] = o.all_void ||
+                   std::find(o.void_classes.begin(), o.void_classes.end(), p.cls[i]) != o.void_classes.end();
+    if (p.is_void(i)) p.color[i].setZero();  // a hole looks dark in a section
+    if (m.start < 0) continue;
+    ++out.kept;
+    keep_place(p, i, *start, m.start);
+  }
+}
+
+}  // namespace
+
+double most_enlarged(const PopulationOptions& o) {
+  const auto count = static_cast<double>(o.count);
+  return std::max(count, std::min(10 * count, kMostEnlarged));
+}
+
+Population populate(const SizeDistribution& d, const Shapes& shapes, const Particles* start,
+                    const PopulationOptions& o, const Work& work) {
+  check(d, shapes);
+  check_void_classes(d, o);
+  Population out;
+  auto cells = cells_of(d, shapes);
+  double density = scale_densities(cells, d, o, out);
 
   double size, diameter;
   largest(d, shapes, size, diameter);
@@ -314,94 +428,30 @@ Population populate(const SizeDistribution& d, const Shapes& shapes, const Parti
   }
   out.target_fraction = out.requested_fraction - out.left_out_fraction;
   const double volume = box.prod(), expected = density * volume;
-  // Exactly `most` particles are allowed despite the rounding of their box.
-  if (expected > static_cast<double>(o.most) + 0.5)
-    throw Error(
-        "too-many-particles",
-        fmt::format(
-            "the box of {:.4g} × {:.4g} × {:.4g} mm would hold {:.3g} particles; at most {} are allowed",
-            box[0], box[1], box[2], expected, o.most),
-        o.edges.empty() ? "lower `count`" : "make the box smaller, or leave out the smallest classes")
-        .parameter(o.edges.empty() ? "count" : "size");
+  check_expected(expected, box, o);
 
   const double target = out.target_fraction * volume;
-  double best_phase = 0.5, least = 1e300;
-  for (int k = 0; k < 32; ++k) {
-    const double phase = (k + 0.5) / 32;
-    const double error = std::abs(round_counts(cells, volume, phase) - target);
-    if (error < least - 1e-12 * target) {
-      least = error;
-      best_phase = phase;
-    }
-  }
-  round_counts(cells, volume, best_phase);
-
+  choose_counts(cells, volume, target);
   out.expected.assign(d.classes(), 0);
-  std::vector<Member> members;
-  std::vector<bool> used(start ? start->count() : 0, false);
-  for (std::size_t c = 0; c < cells.size(); ++c) {
-    const Cell& cell = cells[c];
-    out.expected[cell.cls] += cell.density * volume;
-    std::int64_t have = 0;
-    const auto& entry = d.shapes[cell.entry];
-    const double lo = d.class_edges[cell.cls] * (1 - 1e-9), hi = d.class_edges[cell.cls + 1] * (1 + 1e-9);
-    for (std::size_t i = 0; i < used.size() && have < cell.count; ++i) {
-      if (used[i] || start->cls[i] != entry.cls || start->size[i] < lo || start->size[i] > hi) continue;
-      if (start->shape[i] < 0 || start->shape[i] >= static_cast<int>(shapes.shapes.size())) continue;
-      if (entry.shape >= 0 && start->shape[i] != entry.shape) continue;
-      if (!start->position[i].allFinite() || !(start->orientation[i].norm() > 1e-6)) continue;
-      used[i] = true;
-      members.push_back({cell.entry, cell.cls, start->shape[i], 0, start->size[i], static_cast<int>(i)});
-      ++have;
-    }
-    add_members(cell, c, static_cast<std::size_t>(cell.count - have), d, shapes, o.seed, members);
-  }
+  for (const Cell& cell : cells) out.expected[cell.cls] += cell.density * volume;
+  std::vector<Member> members = members_of(cells, d, shapes, start, o.seed);
   if (members.empty())
     throw Error("no-particles",
                 fmt::format("the box would hold only {:.2g} particles on average, so it is empty", expected),
                 "make the box larger")
         .parameter("size");
   choose_sizes(members, d, shapes, target, work);
+  sort_members(members, shapes);
 
-  const auto radius = [&](const Member& m) {
-    return std::cbrt(unit_volume(shapes.shapes[m.shape])) * m.size;
-  };
-  std::stable_sort(members.begin(), members.end(), [&](const Member& a, const Member& b) {
-    if ((a.start >= 0) != (b.start >= 0)) return a.start >= 0;
-    if (a.start >= 0) return a.start < b.start;
-    return radius(a) > radius(b);
-  });
-  Particles& p = out.particles;
-  p.resize(members.size());
-  if (o.all_void || !o.void_classes.empty()) p.voids.resize(members.size());
   // If the size of the box is automatic, adjust it to compensate for the remaining rounding error.
   const double filled = total_volume(members, shapes);
-  p.box = box;
+  out.particles.box = box;
   const double stretch = std::cbrt(filled / target);
   if (o.edges.empty() && stretch > 0.98 && stretch < 1.02 &&
       box.minCoeff() * stretch > diameter + o.binder_gap)
-    p.box *= stretch;
-  out.fraction = filled / p.box.prod();
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    const Member& m = members[i];
-    p.shape[i] = m.shape;
-    p.cls[i] = d.shapes[m.entry].cls;
-    p.size[i] = m.size;
-    p.scale[i] = m.size / shapes.shapes[m.shape].size();
-    out.size_class.push_back(m.size_class);
-    if (!p.voids.empty())
-      p.voids[i] = o.all_void ||
-                   std::find(o.void_classes.begin(), o.void_classes.end(), p.cls[i]) != o.void_classes.end();
-    if (p.is_void(i)) p.color[i].setZero();  // a hole looks dark in a section
-    if (m.start < 0) continue;
-    ++out.kept;
-    p.position[i] = start->position[m.start];
-    if (start->box != p.box) p.position[i] = p.position[i].cwiseQuotient(start->box).cwiseProduct(p.box);
-    p.position[i] = wrap_point(p.position[i], p.box);
-    p.orientation[i] = start->orientation[m.start];
-    if (std::abs(p.orientation[i].norm() - 1) > 1e-9) p.orientation[i].normalize();
-    if (!p.is_void(i)) p.color[i] = start->color[m.start];
-  }
+    out.particles.box *= stretch;
+  out.fraction = filled / out.particles.box.prod();
+  fill_particles(members, d, shapes, start, o, out);
   return out;
 }
 
