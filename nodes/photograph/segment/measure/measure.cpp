@@ -51,6 +51,122 @@ void add_fragments(const Image& image, const UndecidedPixels& undecided, std::si
       out.fragments.push_back({colors.value(k), image.pixel_size * image.pixel_size * area[k]});
 }
 
+// The labels of one section. Ids run through all sections; here they count from `low` of the section.
+struct SectionLabels {
+  std::span<const std::int32_t> ids;
+  int width, height;
+  std::int32_t low = 0x7fffffff;
+  int count = 0;
+
+  SectionLabels(const Labels& labels, std::size_t first, std::size_t pixels)
+      : ids(labels.ids.data() + first, pixels), width(labels.width), height(labels.height) {
+    std::int32_t high = 0;
+    for (const std::int32_t id : ids)
+      if (id > 0) {
+        low = std::min(low, id);
+        high = std::max(high, id);
+      }
+    count = high == 0 ? 0 : high - low + 1;
+  }
+
+  // More than one pixel inside.
+  bool deep(int x, int y) const {
+    const std::int32_t id = ids[static_cast<std::size_t>(y) * width + x];
+    for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
+      for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
+        if (ids[static_cast<std::size_t>(v) * width + u] != id) return false;
+    return true;
+  }
+};
+
+struct BinderSum {
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();
+  std::int64_t pixels = 0;
+};
+
+// Sums of each profile; pixels outside are added to the binder.
+std::vector<Sums> sum_pixels(const SectionLabels& section, const Image& image, std::size_t first,
+                             const IgnoredPixels& ignored, const UndecidedPixels& undecided,
+                             BinderSum& binder) {
+  std::vector<Sums> sums(section.count);
+  for (int y = 0; y < section.height; ++y)
+    for (int x = 0; x < section.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * section.width + x;
+      if (section.ids[i] == 0) {
+        if (!ignored.empty() && ignored[first + i]) continue;
+        if (!undecided.empty() && undecided[first + i]) continue;
+        binder.color += image.pixels[first + i].cast<double>();
+        ++binder.pixels;
+        continue;
+      }
+      Sums& p = sums[section.ids[i] - section.low];
+      ++p.pixels;
+      if (section.deep(x, y)) ++p.core_pixels;
+      p.left = std::min(p.left, x);
+      p.right = std::max(p.right, x);
+      p.top = std::min(p.top, y);
+      p.bottom = std::max(p.bottom, y);
+    }
+  return sums;
+}
+
+// Colors of the cores, or of whole profiles without a core.
+ColorMedians core_colors(const SectionLabels& section, const std::vector<Sums>& sums, const Image& image,
+                         std::size_t first) {
+  std::vector<std::int64_t> used;
+  for (const Sums& p : sums) used.push_back(p.core_pixels > 0 ? p.core_pixels : p.pixels);
+  ColorMedians colors(std::move(used));
+  for (int y = 0; y < section.height; ++y)
+    for (int x = 0; x < section.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * section.width + x;
+      if (section.ids[i] == 0) continue;
+      const std::size_t k = section.ids[i] - section.low;
+      if (sums[k].core_pixels == 0 || section.deep(x, y)) colors.add(k, image.pixels[first + i]);
+    }
+  return colors;
+}
+
+// Where a profile could lie within the section without touching its border or ignored pixels.
+class ProfilePlaces {
+ public:
+  // `ignored`: of the section, or null. `seen`: pixels of a section that are not ignored, on average.
+  ProfilePlaces(const std::uint8_t* ignored, int width, int height, double seen, const Work& work)
+      : width_(width), height_(height), seen_(seen), work_(work) {
+    if (ignored) positions_.emplace(ignored, width, height);
+  }
+
+  // Sets whether the profile touches the border, and its weight.
+  void weigh(const Sums& sum, Profile& p) {
+    const int w = sum.right - sum.left + 1, h = sum.bottom - sum.top + 1;
+    p.touches_border = sum.left == 0 || sum.top == 0 || sum.right == width_ - 1 ||
+                       sum.bottom == height_ - 1 ||
+                       (positions_ && !positions_->contains(sum.left, sum.top, w, h));
+    if (p.touches_border)
+      p.weight = 0;
+    else if (positions_)
+      p.weight = seen_ / count(w, h);
+    else
+      p.weight =
+          static_cast<double>(width_) * height_ / (static_cast<double>(width_ - w - 1) * (height_ - h - 1));
+  }
+
+ private:
+  double count(int w, int h) {
+    const auto [it, added] = counts_.try_emplace({w, h}, 0);
+    if (added) {
+      work_.check();
+      it->second = positions_->count(w, h);
+    }
+    return static_cast<double>(it->second);
+  }
+
+  int width_, height_;
+  double seen_;
+  const Work& work_;
+  std::optional<Positions> positions_;
+  std::map<std::pair<int, int>, std::int64_t> counts_;  // for boxes of this size
+};
+
 }  // namespace
 
 Profiles measure_profiles(const Image& image, const Labels& labels, const std::vector<float>& coverage,
@@ -65,89 +181,27 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       static_cast<double>(section_size * labels.sections) - std::count(ignored.begin(), ignored.end(), 1);
   const double decided = seen - std::count(undecided.begin(), undecided.end(), 1);
   out.observed_area = s * s * decided;
-  Eigen::Vector3d binder = Eigen::Vector3d::Zero();
-  std::int64_t binder_pixels = 0;
-  for (int section = 0; section < labels.sections; ++section) {
-    const std::size_t first = section_size * section;
-    // Ids run through all sections; here they are renumbered from 1 within the section.
-    std::int32_t low = 0x7fffffff, high = 0;
-    for (std::size_t i = first; i < first + section_size; ++i)
-      if (labels.ids[i] > 0) {
-        low = std::min(low, labels.ids[i]);
-        high = std::max(high, labels.ids[i]);
-      }
-    const int count = high == 0 ? 0 : high - low + 1;
-    const std::span<const std::int32_t> ids(labels.ids.data() + first, section_size);
-    const auto deep = [&](int x, int y) {  // more than one pixel inside
-      const std::int32_t id = ids[static_cast<std::size_t>(y) * W + x];
-      for (int v = std::max(0, y - 1); v <= std::min(H - 1, y + 1); ++v)
-        for (int u = std::max(0, x - 1); u <= std::min(W - 1, x + 1); ++u)
-          if (ids[static_cast<std::size_t>(v) * W + u] != id) return false;
-      return true;
-    };
-    std::vector<Sums> sums(count);
-    for (int y = 0; y < H; ++y)
-      for (int x = 0; x < W; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * W + x;
-        const Eigen::Vector3d c = image.pixels[first + i].cast<double>();
-        if (ids[i] == 0) {
-          if (!ignored.empty() && ignored[first + i]) continue;
-          if (!undecided.empty() && undecided[first + i]) continue;
-          binder += c;
-          ++binder_pixels;
-          continue;
-        }
-        Sums& p = sums[ids[i] - low];
-        ++p.pixels;
-        if (deep(x, y)) ++p.core_pixels;
-        p.left = std::min(p.left, x);
-        p.right = std::max(p.right, x);
-        p.top = std::min(p.top, y);
-        p.bottom = std::max(p.bottom, y);
-      }
+  BinderSum binder;
+  for (int number = 0; number < labels.sections; ++number) {
+    const std::size_t first = section_size * number;
+    const SectionLabels section(labels, first, section_size);
+    const std::vector<Sums> sums = sum_pixels(section, image, first, ignored, undecided, binder);
     work.check();
-    // Colors of the cores, or of whole profiles without a core.
-    std::vector<std::int64_t> used;
-    for (const Sums& p : sums) used.push_back(p.core_pixels > 0 ? p.core_pixels : p.pixels);
-    ColorMedians colors(std::move(used));
-    for (int y = 0; y < H; ++y)
-      for (int x = 0; x < W; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * W + x;
-        if (ids[i] == 0) continue;
-        const std::size_t k = ids[i] - low;
-        if (sums[k].core_pixels == 0 || deep(x, y)) colors.add(k, image.pixels[first + i]);
-      }
+    ColorMedians colors = core_colors(section, sums, image, first);
     work.check();
     if (!undecided.empty()) add_fragments(image, undecided, first, out);
-    std::optional<Positions> positions;
-    if (!ignored.empty()) positions.emplace(ignored.data() + first, W, H);
-    auto lines = outlines(ids, std::span(coverage).subspan(first, section_size), W, H, count, work, low);
-    std::map<std::pair<int, int>, std::int64_t> places;  // for boxes of this size
-    const auto count_places = [&](int w, int h) {
-      const auto [it, added] = places.try_emplace({w, h}, 0);
-      if (added) {
-        work.check();
-        it->second = positions->count(w, h);
-      }
-      return static_cast<double>(it->second);
-    };
-    for (int k = 0; k < count; ++k) {
-      const Sums& sum = sums[k];
-      if (sum.pixels == 0) continue;
+    ProfilePlaces places(ignored.empty() ? nullptr : ignored.data() + first, W, H, seen / labels.sections,
+                         work);
+    auto lines = outlines(section.ids, std::span(coverage).subspan(first, section_size), W, H, section.count,
+                          work, section.low);
+    for (int k = 0; k < section.count; ++k) {
+      if (sums[k].pixels == 0) continue;
       Profile p;
-      p.section = section;
-      p.cls = labels.classes[low + k - 1];
+      p.section = number;
+      p.cls = labels.classes[section.low + k - 1];
       p.area = lines[k].area * s * s;
       p.centroid = lines[k].centroid * s;
-      const int w = sum.right - sum.left + 1, h = sum.bottom - sum.top + 1;
-      p.touches_border = sum.left == 0 || sum.top == 0 || sum.right == W - 1 || sum.bottom == H - 1 ||
-                         (positions && !positions->contains(sum.left, sum.top, w, h));
-      if (p.touches_border)
-        p.weight = 0;
-      else if (positions)
-        p.weight = seen / labels.sections / count_places(w, h);
-      else
-        p.weight = static_cast<double>(W) * H / (static_cast<double>(W - w - 1) * (H - h - 1));
+      places.weigh(sums[k], p);
       p.color = colors.value(k);
       p.contour = std::move(lines[k].points);
       for (auto& q : p.contour) q *= s;
@@ -155,8 +209,8 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
       out.profiles.push_back(std::move(p));
     }
   }
-  if (binder_pixels > 0) out.binder_color = (binder / static_cast<double>(binder_pixels)).cast<float>();
-  out.area_fraction = decided > 0 ? 1 - binder_pixels / decided : 0;
+  if (binder.pixels > 0) out.binder_color = (binder.color / static_cast<double>(binder.pixels)).cast<float>();
+  out.area_fraction = decided > 0 ? 1 - binder.pixels / decided : 0;
   return out;
 }
 
