@@ -176,11 +176,9 @@ json parameter_schema(const Parameter& p) {
   return out;
 }
 
-}  // namespace
-
-json graph_schema(const Registry& registry) {
+json each_schema() {
   const json value = {{"type", {"string", "number", "boolean"}}};
-  const json each = {
+  return {
       {"type", "object"},
       {"description",
        "Repeats the node once per value. Parameters and wires contain the value as ${NAME}; several names "
@@ -188,85 +186,97 @@ json graph_schema(const Registry& registry) {
       {"minProperties", 1},
       {"propertyNames", {{"pattern", "^[A-Za-z_][A-Za-z0-9_]*$"}}},
       {"additionalProperties", {{"anyOf", {value, {{"type", "array"}, {"items", value}, {"minItems", 1}}}}}}};
-  json node_types = json::array();
-  for (const NodeType* t : registry.all()) {
-    json params = json::object(), inputs = json::object(), required_inputs = json::array(),
-         required_params = json::array();
-    for (const auto& p : t->parameters) {
-      params[p.name] = parameter_schema(p);
-      if (!p.value) required_params.push_back(p.name);
-    }
-    for (const auto& p : t->inputs) {
-      json wire = {{"type", "string"}};
-      inputs[p.name] = {{"description", p.doc + " (" + p.type_text() + ")"},
-                        {"anyOf", p.many ? json::array({wire, json{{"type", "array"}, {"items", wire}}})
-                                         : json::array({wire})}};
-      if (!p.optional) required_inputs.push_back(p.name);
-    }
-    json schema = {{"type", "object"},
-                   {"description", t->doc},
-                   {"properties",
-                    {{"type", {{"const", t->name}}},
-                     {"doc", {{"type", "string"}}},
-                     {"bypass", {{"type", "boolean"}}},
-                     {"each", each},
-                     {"params",
-                      {{"type", "object"},
-                       {"properties", params},
-                       {"required", required_params},
-                       {"additionalProperties", false}}},
-                     {"inputs",
-                      {{"type", "object"},
-                       {"properties", inputs},
-                       {"required", required_inputs},
-                       {"additionalProperties", false}}}}},
-                   {"required", {"type"}},
-                   {"additionalProperties", false}};
-    if (!required_inputs.empty()) schema["required"].push_back("inputs");
-    if (!required_params.empty()) schema["required"].push_back("params");
-    node_types.push_back(std::move(schema));
+}
+
+json node_schema(const NodeType& t) {
+  json params = json::object(), inputs = json::object(), required_inputs = json::array(),
+       required_params = json::array();
+  for (const auto& p : t.parameters) {
+    params[p.name] = parameter_schema(p);
+    if (!p.value) required_params.push_back(p.name);
   }
-  node_types.push_back({{"type", "object"},
-                        {"description", "A graph used as a node"},
-                        {"properties",
-                         {{"graph", {{"type", "string"}}},
-                          {"doc", {{"type", "string"}}},
-                          {"each", each},
-                          {"params", {{"type", "object"}}},
-                          {"inputs", {{"type", "object"}}}}},
-                        {"required", {"graph"}},
-                        {"additionalProperties", false}});
+  for (const auto& p : t.inputs) {
+    json wire = {{"type", "string"}};
+    inputs[p.name] = {{"description", p.doc + " (" + p.type_text() + ")"},
+                      {"anyOf", p.many ? json::array({wire, json{{"type", "array"}, {"items", wire}}})
+                                       : json::array({wire})}};
+    if (!p.optional) required_inputs.push_back(p.name);
+  }
+  json schema = {{"type", "object"},
+                 {"description", t.doc},
+                 {"properties",
+                  {{"type", {{"const", t.name}}},
+                   {"doc", {{"type", "string"}}},
+                   {"bypass", {{"type", "boolean"}}},
+                   {"each", each_schema()},
+                   {"params",
+                    {{"type", "object"},
+                     {"properties", params},
+                     {"required", required_params},
+                     {"additionalProperties", false}}},
+                   {"inputs",
+                    {{"type", "object"},
+                     {"properties", inputs},
+                     {"required", required_inputs},
+                     {"additionalProperties", false}}}}},
+                 {"required", {"type"}},
+                 {"additionalProperties", false}};
+  if (!required_inputs.empty()) schema["required"].push_back("inputs");
+  if (!required_params.empty()) schema["required"].push_back("params");
+  return schema;
+}
+
+json subgraph_schema() {
+  return {{"type", "object"},
+          {"description", "A graph used as a node"},
+          {"properties",
+           {{"graph", {{"type", "string"}}},
+            {"doc", {{"type", "string"}}},
+            {"each", each_schema()},
+            {"params", {{"type", "object"}}},
+            {"inputs", {{"type", "object"}}}}},
+          {"required", {"graph"}},
+          {"additionalProperties", false}};
+}
+
+// Of a parameter that a graph declares.
+json declaration_schema() {
+  return {{"type", "object"},
+          {"properties",
+           {{"type",
+             {{"enum",
+               {"path", "int", "number", "bool", "text", "choice", "color", "numbers", "ints", "texts"}}}},
+            {"default", json::object()},
+            {"doc", {{"type", "string"}}},
+            {"unit", {{"type", "string"}}},
+            {"min", {{"type", "number"}}},
+            {"max", {{"type", "number"}}},
+            {"choices", {{"type", "array"}}},
+            {"keywords", {{"type", "array"}}}}},
+          {"required", {"type"}},
+          {"additionalProperties", false}};
+}
+
+}  // namespace
+
+json graph_schema(const Registry& registry) {
+  json node_types = json::array();
+  for (const NodeType* t : registry.all()) node_types.push_back(node_schema(*t));
+  node_types.push_back(subgraph_schema());
   const json reference_map = {{"type", "object"}, {"additionalProperties", {{"type", "string"}}}};
-  return {
-      {"$schema", "https://json-schema.org/draft/2020-12/schema"},
-      {"title", "Terrazzo graph"},
-      {"type", "object"},
-      {"properties",
-       {{"terrazzo", {{"const", 1}, {"description", "Format version"}}},
-        {"name", {{"type", "string"}}},
-        {"doc", {{"type", "string"}}},
-        {"parameters",
-         {{"type", "object"},
-          {"additionalProperties",
-           {{"type", "object"},
-            {"properties",
-             {{"type",
-               {{"enum",
-                 {"path", "int", "number", "bool", "text", "choice", "color", "numbers", "ints", "texts"}}}},
-              {"default", json::object()},
-              {"doc", {{"type", "string"}}},
-              {"unit", {{"type", "string"}}},
-              {"min", {{"type", "number"}}},
-              {"max", {{"type", "number"}}},
-              {"choices", {{"type", "array"}}},
-              {"keywords", {{"type", "array"}}}}},
-            {"required", {"type"}},
-            {"additionalProperties", false}}}}},
-        {"nodes", {{"type", "object"}, {"additionalProperties", {{"anyOf", node_types}}}}},
-        {"inputs", reference_map},
-        {"outputs", reference_map}}},
-      {"required", {"terrazzo", "nodes"}},
-      {"additionalProperties", false}};
+  return {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+          {"title", "Terrazzo graph"},
+          {"type", "object"},
+          {"properties",
+           {{"terrazzo", {{"const", 1}, {"description", "Format version"}}},
+            {"name", {{"type", "string"}}},
+            {"doc", {{"type", "string"}}},
+            {"parameters", {{"type", "object"}, {"additionalProperties", declaration_schema()}}},
+            {"nodes", {{"type", "object"}, {"additionalProperties", {{"anyOf", node_types}}}}},
+            {"inputs", reference_map},
+            {"outputs", reference_map}}},
+          {"required", {"terrazzo", "nodes"}},
+          {"additionalProperties", false}};
 }
 
 }  // namespace terrazzo

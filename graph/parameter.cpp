@@ -240,6 +240,64 @@ std::string color_text(const std::array<double, 3>& linear) {
   return out;
 }
 
+namespace {
+
+// Adds the keywords, which would be valid too.
+std::string or_keyword(const Parameter& p, const std::string& word, std::string text) {
+  if (!p.keywords.empty()) text += fmt::format(", nor one of {}", fmt::join(p.keywords, ", "));
+  return text + did_you_mean(word, p.keywords);
+}
+
+std::optional<ParameterValue> read_choice(const Parameter& p, const std::string& word, std::string& why) {
+  if (std::find(p.choices.begin(), p.choices.end(), word) != p.choices.end()) return word;
+  why =
+      fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "), did_you_mean(word, p.choices));
+  return std::nullopt;
+}
+
+std::optional<ParameterValue> read_path(const Parameter& p, const std::string& word, std::string& why) {
+  if (word.empty()) {
+    why = "the path is empty";
+    return std::nullopt;
+  }
+  if (word.find('\0') != std::string::npos) {
+    why = "the path contains a zero byte";
+    return std::nullopt;
+  }
+  if (p.kind == ParameterKind::OutputPath && escape_line(word) != word) {
+    why = "the name of an output file contains control characters";
+    return std::nullopt;
+  }
+  if (p.kind == ParameterKind::OutputPath && leaves_folder(word)) {
+    why = fmt::format(
+        "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)", word);
+    return std::nullopt;
+  }
+  return word;
+}
+
+template <class T>
+std::optional<ParameterValue> read_number_list(const Parameter& p, const WrittenValue& w,
+                                               const std::string& word, std::string& why) {
+  std::vector<T> v;
+  if (read_list(p, w, v, why)) return v;
+  why = or_keyword(p, word, why);
+  return std::nullopt;
+}
+
+std::optional<ParameterValue> read_texts(const Parameter& p, const WrittenValue& w, std::string& why) {
+  if (w.items.size() < p.min_count || w.items.size() > p.max_count) {
+    why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size());
+    return std::nullopt;
+  }
+  if (!p.choices.empty())
+    for (const auto& item : w.items)
+      if (!read_choice(p, item, why)) return std::nullopt;
+  return w.items;
+}
+
+}  // namespace
+
 std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenValue& w, std::string& why) {
   const std::string word = w.is_list ? "" : w.text();
   if (!w.is_list && std::find(p.keywords.begin(), p.keywords.end(), word) != p.keywords.end()) return word;
@@ -250,85 +308,41 @@ std::optional<ParameterValue> read_parameter(const Parameter& p, const WrittenVa
     why = "needs one value, not a list";
     return std::nullopt;
   }
-
-  const auto or_keyword = [&](std::string text) {
-    if (!p.keywords.empty()) text += fmt::format(", nor one of {}", fmt::join(p.keywords, ", "));
-    return text + did_you_mean(word, p.keywords);
-  };
   switch (p.kind) {
     case ParameterKind::Bool:
       if (word == "true" || word == "false") return word == "true";
-      why = or_keyword("'" + word + "' is neither true nor false");
+      why = or_keyword(p, word, "'" + word + "' is neither true nor false");
       return std::nullopt;
     case ParameterKind::Int:
       if (const auto v = parse_number<std::int64_t>(word)) {
         if (in_range(p, *v, why)) return *v;
         return std::nullopt;
       }
-      why = or_keyword("'" + word + "' is not a whole number");
+      why = or_keyword(p, word, "'" + word + "' is not a whole number");
       return std::nullopt;
     case ParameterKind::Number:
       if (const auto v = parse_number<double>(word)) {
         if (in_range(p, *v, why)) return *v + 0.0;  // −0 and 0 are the same value
         return std::nullopt;
       }
-      why = or_keyword("'" + word + "' is not a number");
+      why = or_keyword(p, word, "'" + word + "' is not a number");
       return std::nullopt;
     case ParameterKind::Choice:
-      if (std::find(p.choices.begin(), p.choices.end(), word) != p.choices.end()) return word;
-      why = fmt::format("'{}' is not one of {}{}", word, fmt::join(p.choices, ", "),
-                        did_you_mean(word, p.choices));
-      return std::nullopt;
+      return read_choice(p, word, why);
     case ParameterKind::Text:
       return word;
     case ParameterKind::InputPath:
     case ParameterKind::OutputPath:
-      if (word.empty()) {
-        why = "the path is empty";
-        return std::nullopt;
-      }
-      if (word.find('\0') != std::string::npos) {
-        why = "the path contains a zero byte";
-        return std::nullopt;
-      }
-      if (p.kind == ParameterKind::OutputPath && escape_line(word) != word) {
-        why = "the name of an output file contains control characters";
-        return std::nullopt;
-      }
-      if (p.kind == ParameterKind::OutputPath && leaves_folder(word)) {
-        why = fmt::format(
-            "'{}' is outside the output folder (use a relative path inside it; --out sets the folder)", word);
-        return std::nullopt;
-      }
-      return word;
-    case ParameterKind::Ints: {
-      std::vector<std::int64_t> v;
-      if (read_list(p, w, v, why)) return v;
-      why = or_keyword(why);
-      return std::nullopt;
-    }
-    case ParameterKind::Numbers: {
-      std::vector<double> v;
-      if (read_list(p, w, v, why)) return v;
-      why = or_keyword(why);
-      return std::nullopt;
-    }
-    case ParameterKind::Texts: {
-      if (w.items.size() < p.min_count || w.items.size() > p.max_count) {
-        why = fmt::format("needs {} to {} words, not {}", p.min_count, p.max_count, w.items.size());
-        return std::nullopt;
-      }
-      for (const auto& item : w.items)
-        if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), item) == p.choices.end()) {
-          why = fmt::format("'{}' is not one of {}{}", item, fmt::join(p.choices, ", "),
-                            did_you_mean(item, p.choices));
-          return std::nullopt;
-        }
-      return w.items;
-    }
+      return read_path(p, word, why);
+    case ParameterKind::Ints:
+      return read_number_list<std::int64_t>(p, w, word, why);
+    case ParameterKind::Numbers:
+      return read_number_list<double>(p, w, word, why);
+    case ParameterKind::Texts:
+      return read_texts(p, w, why);
     case ParameterKind::Color: {
       const auto v = read_color(w, why);
-      if (!v) why = or_keyword(why);
+      if (!v) why = or_keyword(p, word, why);
       return v;
     }
   }
