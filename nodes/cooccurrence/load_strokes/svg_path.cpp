@@ -65,6 +65,146 @@ void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, 
   }
 }
 
+// Follows the commands of a path.
+class PathReader {
+ public:
+  PathReader(const std::string& data, double tolerance) : in_(data), tolerance_(tolerance) {}
+
+  std::vector<std::vector<Vec2>> lines;
+
+  // Reads the whole path, of at most this many points. Returns what is wrong, or null.
+  const char* read(std::size_t most) {
+    while (!in_.done()) {
+      check_points(most);
+      if (const char next = in_.letter())
+        command_ = next;
+      else if (command_ == 0 || command_ == 'Z' || command_ == 'z')
+        return "a number without a command";
+      else if (command_ == 'M' || command_ == 'm')
+        command_ = command_ == 'M' ? 'L' : 'l';
+      const char kind = std::toupper(static_cast<unsigned char>(command_));
+      if (before_ == 0 && kind != 'M') return "the path does not begin with M";
+      origin_ = std::islower(static_cast<unsigned char>(command_)) ? at_ : Vec2::Zero();
+      if (const char* what = read_segment(kind)) return what;
+      before_ = kind;
+    }
+    return nullptr;
+  }
+  std::size_t position() const { return in_.position(); }
+
+ private:
+  void check_points(std::size_t most) {
+    for (; counted_ + 1 < lines.size(); ++counted_) finished_ += lines[counted_].size();
+    if (finished_ + (lines.empty() ? 0 : lines.back().size()) > most)
+      throw Error("too-large", fmt::format("a path has more than {} points", most),
+                  "simplify the drawing, or raise --memory if the machine has more");
+  }
+
+  std::vector<Vec2>& line() {
+    if (!open_) {
+      lines.push_back({at_});
+      first_ = at_;
+      open_ = true;
+    }
+    return lines.back();
+  }
+
+  bool point(Vec2& p) {
+    if (!in_.number(p.x()) || !in_.number(p.y())) return false;
+    p += origin_;
+    return true;
+  }
+
+  // Each reads one segment, and returns what is wrong or null.
+  const char* read_segment(char kind) {
+    switch (kind) {
+      case 'M':
+        return read_move();
+      case 'L':
+      case 'H':
+      case 'V':
+        return read_straight(kind);
+      case 'C':
+      case 'S':
+        return read_cubic(kind);
+      case 'Q':
+      case 'T':
+        return read_quadratic(kind);
+      case 'A':
+        return read_arc();
+      case 'Z':
+        line().push_back(first_);
+        at_ = first_;
+        open_ = false;
+        return nullptr;
+      default:
+        return "an unknown command";
+    }
+  }
+
+  const char* read_move() {
+    Vec2 a;
+    if (!point(a)) return "a point is missing";
+    at_ = a;
+    first_ = a;
+    open_ = false;
+    line();
+    return nullptr;
+  }
+
+  const char* read_straight(char kind) {
+    Vec2 a = at_;
+    double d = 0;
+    if (kind == 'L' ? !point(a) : !in_.number(d)) return "a coordinate is missing";
+    if (kind == 'H') a.x() = origin_.x() + d;
+    if (kind == 'V') a.y() = origin_.y() + d;
+    line().push_back(a);
+    at_ = a;
+    return nullptr;
+  }
+
+  const char* read_cubic(char kind) {
+    Vec2 a = kind == 'S' && (before_ == 'C' || before_ == 'S') ? Vec2(2 * at_ - control_) : at_;
+    Vec2 b, c;
+    if ((kind == 'C' && !point(a)) || !point(b) || !point(c)) return "a point is missing";
+    cubic(line(), at_, a, b, c, tolerance_);
+    control_ = b;
+    at_ = c;
+    return nullptr;
+  }
+
+  const char* read_quadratic(char kind) {
+    Vec2 a = kind == 'T' && (before_ == 'Q' || before_ == 'T') ? Vec2(2 * at_ - control_) : at_;
+    Vec2 c;
+    if ((kind == 'Q' && !point(a)) || !point(c)) return "a point is missing";
+    cubic(line(), at_, at_ + 2.0 / 3 * (a - at_), c + 2.0 / 3 * (a - c), c, tolerance_);
+    control_ = a;
+    at_ = c;
+    return nullptr;
+  }
+
+  const char* read_arc() {
+    Vec2 radii, c;
+    double turn = 0;
+    bool large = false, sweep = false;
+    if (!in_.number(radii.x()) || !in_.number(radii.y()) || !in_.number(turn) || !in_.flag(large) ||
+        !in_.flag(sweep) || !point(c))
+      return "an arc is incomplete";
+    auto& points = line();
+    for (const auto& p : arc_points(at_, radii, turn, large, sweep, c, tolerance_)) points.push_back(p);
+    at_ = c;
+    return nullptr;
+  }
+
+  Scanner in_;
+  double tolerance_;
+  Vec2 at_ = Vec2::Zero(), first_ = Vec2::Zero(), control_ = Vec2::Zero();
+  Vec2 origin_ = Vec2::Zero();  // of the coordinates of this command
+  char command_ = 0, before_ = 0;
+  bool open_ = false;
+  std::size_t finished_ = 0, counted_ = 0;  // points of the subpaths before the last
+};
+
 }  // namespace
 
 std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, bool large, bool sweep,
@@ -97,102 +237,10 @@ std::vector<Vec2> arc_points(const Vec2& from, Vec2 radii, double turn_degrees, 
 
 std::vector<std::vector<Vec2>> read_path(const std::string& data, double tolerance, std::string& broken,
                                          std::size_t most) {
-  std::vector<std::vector<Vec2>> out;
-  Scanner in(data);
-  Vec2 at = Vec2::Zero(), first = Vec2::Zero(), control = Vec2::Zero();
-  char command = 0, before = 0;
-  bool open = false;
-  const auto fail = [&](const char* what) {
-    broken = fmt::format("{} at character {} of the path", what, in.position() + 1);
-    return out;
-  };
-  const auto line = [&]() -> std::vector<Vec2>& {
-    if (!open) {
-      out.push_back({at});
-      first = at;
-      open = true;
-    }
-    return out.back();
-  };
-  std::size_t finished = 0, counted = 0;  // points of the subpaths before the last
-  while (!in.done()) {
-    for (; counted + 1 < out.size(); ++counted) finished += out[counted].size();
-    if (finished + (out.empty() ? 0 : out.back().size()) > most)
-      throw Error("too-large", fmt::format("a path has more than {} points", most),
-                  "simplify the drawing, or raise --memory if the machine has more");
-    if (const char next = in.letter())
-      command = next;
-    else if (command == 0 || command == 'Z' || command == 'z')
-      return fail("a number without a command");
-    else if (command == 'M' || command == 'm')
-      command = command == 'M' ? 'L' : 'l';
-    const char kind = std::toupper(static_cast<unsigned char>(command));
-    if (before == 0 && kind != 'M') return fail("the path does not begin with M");
-    const Vec2 origin = std::islower(static_cast<unsigned char>(command)) ? at : Vec2::Zero();
-    const auto point = [&](Vec2& p) {
-      if (!in.number(p.x()) || !in.number(p.y())) return false;
-      p += origin;
-      return true;
-    };
-    Vec2 a, b, c;
-    switch (kind) {
-      case 'M':
-        if (!point(a)) return fail("a point is missing");
-        at = first = a;
-        open = false;
-        line();
-        break;
-      case 'L':
-      case 'H':
-      case 'V': {
-        a = at;
-        double d = 0;
-        if (kind == 'L' ? !point(a) : !in.number(d)) return fail("a coordinate is missing");
-        if (kind == 'H') a.x() = origin.x() + d;
-        if (kind == 'V') a.y() = origin.y() + d;
-        line().push_back(a);
-        at = a;
-        break;
-      }
-      case 'C':
-      case 'S':
-        a = kind == 'S' && (before == 'C' || before == 'S') ? Vec2(2 * at - control) : at;
-        if ((kind == 'C' && !point(a)) || !point(b) || !point(c)) return fail("a point is missing");
-        cubic(line(), at, a, b, c, tolerance);
-        control = b;
-        at = c;
-        break;
-      case 'Q':
-      case 'T':
-        a = kind == 'T' && (before == 'Q' || before == 'T') ? Vec2(2 * at - control) : at;
-        if ((kind == 'Q' && !point(a)) || !point(c)) return fail("a point is missing");
-        cubic(line(), at, at + 2.0 / 3 * (a - at), c + 2.0 / 3 * (a - c), c, tolerance);
-        control = a;
-        at = c;
-        break;
-      case 'A': {
-        Vec2 radii;
-        double turn = 0;
-        bool large = false, sweep = false;
-        if (!in.number(radii.x()) || !in.number(radii.y()) || !in.number(turn) || !in.flag(large) ||
-            !in.flag(sweep) || !point(c))
-          return fail("an arc is incomplete");
-        auto& points = line();
-        for (const auto& p : arc_points(at, radii, turn, large, sweep, c, tolerance)) points.push_back(p);
-        at = c;
-        break;
-      }
-      case 'Z':
-        line().push_back(first);
-        at = first;
-        open = false;
-        break;
-      default:
-        return fail("an unknown command");
-    }
-    before = kind;
-  }
-  return out;
+  PathReader reader(data, tolerance);
+  if (const char* what = reader.read(most))
+    broken = fmt::format("{} at character {} of the path", what, reader.position() + 1);
+  return std::move(reader.lines);
 }
 
 }  // namespace terrazzo::load_strokes
