@@ -197,6 +197,68 @@ double depth_of_pair(const Solid& a, double scale_a, const Mat3& rotation_a, con
   return distance < bound ? gap - distance * scale_a : 0;
 }
 
+// Which particles may meet.
+class NearParticles {
+ public:
+  NearParticles(const Particles& particles, const std::vector<double>& reach)
+      : particles_(particles),
+        reach_(reach),
+        cells_(particles.box, 2 * std::accumulate(reach.begin(), reach.end(), 0.0) / reach.size(), 128),
+        in_cell_(cells_.count()) {
+    // A particle is listed in every cell that the cube around it touches.
+    for (std::size_t i = 0; i < reach.size(); ++i)
+      cells_.visit(particles.position[i], reach[i],
+                   [&](std::size_t c) { in_cell_[c].push_back(static_cast<std::int32_t>(i)); });
+  }
+
+  // Those that may meet particle i, from i on.
+  void find(std::int32_t i, std::vector<std::int32_t>& near) const {
+    near.clear();
+    cells_.visit(particles_.position[i], reach_[i], [&](std::size_t c) {
+      for (std::int32_t j : in_cell_[c])
+        if (j >= i) near.push_back(j);
+    });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+  }
+
+ private:
+  const Particles& particles_;
+  const std::vector<double>& reach_;
+  PeriodicCells cells_;
+  std::vector<std::vector<std::int32_t>> in_cell_;
+};
+
+// Calls test(offset of j from i) for each image of j that i may meet.
+template <class Test>
+void each_image(const Particles& particles, std::int32_t i, std::int32_t j, double reach, Test&& test) {
+  // Centers are inside the box and bounding spheres fit into it, so only the 27 nearest images can meet.
+  for (int z = -1; z <= 1; ++z)
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        if (i == j && (z < 0 || (z == 0 && (y < 0 || (y == 0 && x <= 0))))) continue;
+        const Vec3 offset =
+            particles.position[j] - particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box);
+        if (offset.norm() >= reach) continue;
+        test(offset);
+      }
+}
+
+bool same_place(const Particles& a, const Particles& b, std::size_t i) {
+  return a.shape[i] == b.shape[i] && a.scale[i] == b.scale[i] && a.position[i] == b.position[i] &&
+         a.orientation[i].coeffs() == b.orientation[i].coeffs();
+}
+
+// The depth of a pair in an earlier result, 0 if it did not meet.
+double depth_found(const std::vector<Penetration>& found, std::int32_t i, std::int32_t j) {
+  const auto at =
+      std::lower_bound(found.begin(), found.end(), std::pair(i, j),
+                       [](const Penetration& p, const std::pair<std::int32_t, std::int32_t>& key) {
+                         return std::pair(p.a, p.b) < key;
+                       });
+  return at != found.end() && at->a == i && at->b == j ? at->depth : 0.0;
+}
+
 }  // namespace
 
 Auditor::Auditor(const Shapes& shapes) : shapes_(shapes), solids_(shapes.shapes.size()) {}
@@ -209,82 +271,49 @@ AuditResult Auditor::operator()(const Particles& particles, double gap, const Wo
   auto& solids = solids_;
   for (std::int32_t s : particles.shape)
     if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes_.shapes[s].mesh);
-  std::vector<double> radius(n);
+  std::vector<double> reach(n);
   std::vector<Mat3> rotation(n);
   for (std::size_t i = 0; i < n; ++i) {
-    radius[i] = solids[particles.shape[i]]->radius * particles.scale[i];
+    const double radius = solids[particles.shape[i]]->radius * particles.scale[i];
+    reach[i] = radius + 0.5 * gap;
     rotation[i] = particles.orientation[i].toRotationMatrix();
   }
-  std::vector<double> reach(n);
-  for (std::size_t i = 0; i < n; ++i) reach[i] = radius[i] + 0.5 * gap;
-  // A particle is listed in every cell that the cube around it touches.
-  const PeriodicCells cells(particles.box, 2 * std::accumulate(reach.begin(), reach.end(), 0.0) / n, 128);
-  std::vector<std::vector<std::int32_t>> in_cell(cells.count());
-  for (std::size_t i = 0; i < n; ++i)
-    cells.visit(particles.position[i], reach[i],
-                [&](std::size_t c) { in_cell[c].push_back(static_cast<std::int32_t>(i)); });
-
+  const NearParticles neighbors(particles, reach);
   // Pairs of which neither particle has moved since the last audit still have the depth found then.
   const bool again = last_.count() == n && last_.box == particles.box && last_gap_ == gap;
   std::vector<std::uint8_t> moved(n, 1);
-  for (std::size_t i = 0; again && i < n; ++i)
-    moved[i] = last_.shape[i] != particles.shape[i] || last_.scale[i] != particles.scale[i] ||
-               last_.position[i] != particles.position[i] ||
-               last_.orientation[i].coeffs() != particles.orientation[i].coeffs();
-  const auto known_depth = [&](std::int32_t i, std::int32_t j) {
-    const auto at =
-        std::lower_bound(last_found_.begin(), last_found_.end(), std::pair(i, j),
-                         [](const Penetration& p, const std::pair<std::int32_t, std::int32_t>& key) {
-                           return std::pair(p.a, p.b) < key;
-                         });
-    return at != last_found_.end() && at->a == i && at->b == j ? at->depth : 0.0;
-  };
+  for (std::size_t i = 0; again && i < n; ++i) moved[i] = !same_place(last_, particles, i);
 
   constexpr std::size_t kGrain = 32;
-  std::vector<std::vector<Penetration>> parts((n + kGrain - 1) / kGrain);
-  std::vector<std::size_t> tested(parts.size(), 0), work_done(parts.size(), 0);
+  std::vector<AuditResult> parts((n + kGrain - 1) / kGrain);
   work.parallel(n, kGrain, [&](std::size_t begin, std::size_t end) {
+    AuditResult& part = parts[begin / kGrain];
     std::vector<std::int32_t> near;
     tests = 0;
     for (std::size_t s = begin; s < end; ++s) {
       work.check();
       const std::int32_t i = s;
-      near.clear();
-      cells.visit(particles.position[i], reach[i], [&](std::size_t c) {
-        for (std::int32_t j : in_cell[c])
-          if (j >= i) near.push_back(j);
-      });
-      std::sort(near.begin(), near.end());
-      near.erase(std::unique(near.begin(), near.end()), near.end());
+      neighbors.find(i, near);
       for (std::int32_t j : near) {
         const bool known = !moved[i] && !moved[j];
-        double depth = known ? known_depth(i, j) : 0;
-        // Centers are inside the box and bounding spheres fit into it, so only the 27
-        // nearest images can meet.
-        for (int z = -1; z <= 1; ++z)
-          for (int y = -1; y <= 1; ++y)
-            for (int x = -1; x <= 1; ++x) {
-              if (i == j && (z < 0 || (z == 0 && (y < 0 || (y == 0 && x <= 0))))) continue;
-              const Vec3 offset =
-                  particles.position[j] - particles.position[i] + Vec3(x, y, z).cwiseProduct(particles.box);
-              if (offset.norm() >= reach[i] + reach[j]) continue;
-              ++tested[begin / kGrain];
-              if (known) continue;
-              depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i],
-                                                    rotation[i], *solids[particles.shape[j]],
-                                                    particles.scale[j], rotation[j], offset, gap));
-            }
+        double depth = known ? depth_found(last_found_, i, j) : 0;
+        each_image(particles, i, j, reach[i] + reach[j], [&](const Vec3& offset) {
+          ++part.pairs;
+          if (known) return;
+          depth = std::max(depth, depth_of_pair(*solids[particles.shape[i]], particles.scale[i], rotation[i],
+                                                *solids[particles.shape[j]], particles.scale[j], rotation[j],
+                                                offset, gap));
+        });
         if (depth > 0)
-          parts[begin / kGrain].push_back(
-              {i, j, depth, depth / std::min(particles.size[i], particles.size[j])});
+          part.found.push_back({i, j, depth, depth / std::min(particles.size[i], particles.size[j])});
       }
     }
-    work_done[begin / kGrain] = tests;
+    part.tests = tests / 6;
   });
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    result.found.insert(result.found.end(), parts[k].begin(), parts[k].end());
-    result.pairs += tested[k];
-    result.tests += work_done[k] / 6;
+  for (const AuditResult& part : parts) {
+    result.found.insert(result.found.end(), part.found.begin(), part.found.end());
+    result.pairs += part.pairs;
+    result.tests += part.tests;
   }
   last_ = particles;
   last_gap_ = gap;
