@@ -89,7 +89,7 @@ std::string place_of(const FoundObject& o, int sections) {
       o.left, o.right, o.top, o.bottom, sections > 1 ? fmt::format(" of section {}", o.section) : "", what);
 }
 
-void compute(Context& c) {
+SegmentOptions options_of(const Context& c) {
   SegmentOptions options;
   options.clusters = c.optional_integer("clusters").value_or(0);
   options.binder = hint_of(c);
@@ -103,7 +103,49 @@ void compute(Context& c) {
   options.find_objects = c.boolean("find_objects");
   options.seed = c.seed();
   options.memory = c.memory();
+  return options;
+}
 
+void report_method(Context& c, const Segmentation& s) {
+  c.metric("clusters", s.ground.clusters.centers.size());
+  c.metric("silhouette", s.ground.clusters.silhouette);
+  c.metric("min_area", s.min_area);
+  c.metric("by_network", s.method == Method::Network || s.method == Method::Both);
+  c.metric("by_clusters", s.method == Method::Clusters || s.method == Method::Both);
+  if (s.network_scale > 0) c.metric("network_scale", s.network_scale);
+  c.metric("by_scribbles", s.method == Method::Scribbles);
+  const auto& profiles = s.profiles.profiles;
+  const std::size_t uncertain =
+      std::count_if(profiles.begin(), profiles.end(), [](const auto& p) { return p.confidence < 0.5; });
+  c.metric("uncertain", uncertain);
+  c.metric("unlikely_dropped", s.unlikely);
+  c.metric("specks_dropped", s.specks);
+  c.metric("speck_pixels", s.speck_pixels);
+  c.metric("holes_filled", s.holes);
+}
+
+void report_reliability(Context& c, const Segmentation& s) {
+  c.metric("reliability_of_clusters", s.reliability.clusters);
+  c.metric("reliability_of_network", s.reliability.network);
+  c.metric("reliability_of_both", s.reliability.both);
+  c.metric("distinct_phases", s.distinct_phases);
+  if (const double expected = s.method == Method::Clusters ? s.reliability.clusters : s.reliability.both;
+      expected < 0.5)
+    c.warn("the particles are uncertain: the expected average precision is " +
+           fmt::format("{:.2f}", expected) + "; look at the outlines, set min_confidence, or connect labels");
+}
+
+void warn_of_undecided(Context& c, double undecided) {
+  constexpr double kMuchUndecided = 0.25;
+  if (undecided > kMuchUndecided)
+    c.warn(fmt::format(
+        "{:.0f} % of the picture show particles that could not be told apart; densities refer to the "
+        "rest. Look at output unobserved, draw scribbles, or outline particles with EditLabels",
+        100 * undecided));
+}
+
+void compute(Context& c) {
+  SegmentOptions options = options_of(c);
   const Image& image = c.input<Image>("image");
   const Labels* given = c.optional<Labels>("labels");
   std::optional<Network> network;
@@ -124,48 +166,17 @@ void compute(Context& c) {
   Segmentation s =
       given ? measure_labels(image, *given, options, c.work()) : segment::segment(image, options, c.work());
 
-  std::size_t at_border = 0, uncertain = 0;
-  for (const auto& p : s.profiles.profiles) {
-    at_border += p.touches_border;
-    uncertain += p.confidence < 0.5;
-  }
+  std::size_t at_border = 0;
+  for (const auto& p : s.profiles.profiles) at_border += p.touches_border;
   c.metric("profiles", s.profiles.profiles.size());
   c.metric("at_border", at_border);
   c.metric("area_fraction", s.profiles.area_fraction);
   const double undecided =
       static_cast<double>(std::count(s.undecided.begin(), s.undecided.end(), 1)) / s.labels.ids.size();
   c.metric("undecided", undecided);
-  if (!given) {
-    c.metric("clusters", s.ground.clusters.centers.size());
-    c.metric("silhouette", s.ground.clusters.silhouette);
-    c.metric("min_area", s.min_area);
-    c.metric("by_network", s.method == Method::Network || s.method == Method::Both);
-    c.metric("by_clusters", s.method == Method::Clusters || s.method == Method::Both);
-    if (s.network_scale > 0) c.metric("network_scale", s.network_scale);
-    c.metric("by_scribbles", s.method == Method::Scribbles);
-    c.metric("uncertain", uncertain);
-    c.metric("unlikely_dropped", s.unlikely);
-    c.metric("specks_dropped", s.specks);
-    c.metric("speck_pixels", s.speck_pixels);
-    c.metric("holes_filled", s.holes);
-  }
-  if (!given && options.method == Method::Auto && s.reliability.both > 0) {
-    c.metric("reliability_of_clusters", s.reliability.clusters);
-    c.metric("reliability_of_network", s.reliability.network);
-    c.metric("reliability_of_both", s.reliability.both);
-    c.metric("distinct_phases", s.distinct_phases);
-    if (const double expected = s.method == Method::Clusters ? s.reliability.clusters : s.reliability.both;
-        expected < 0.5)
-      c.warn("the particles are uncertain: the expected average precision is " +
-             fmt::format("{:.2f}", expected) +
-             "; look at the outlines, set min_confidence, or connect labels");
-  }
-  constexpr double kMuchUndecided = 0.25;
-  if (undecided > kMuchUndecided)
-    c.warn(fmt::format(
-        "{:.0f} % of the picture show particles that could not be told apart; densities refer to the "
-        "rest. Look at output unobserved, draw scribbles, or outline particles with EditLabels",
-        100 * undecided));
+  if (!given) report_method(c, s);
+  if (!given && options.method == Method::Auto && s.reliability.both > 0) report_reliability(c, s);
+  warn_of_undecided(c, undecided);
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
   for (const FoundObject& o : s.not_material) c.warn(place_of(o, image.sections) + scale_of(o));

@@ -254,24 +254,9 @@ void bind_nodes(py::module_& m) {
       });
 }
 
-}  // namespace
-
-void bind_graph(py::module_& m) {
-  using py::arg;
-  bind_outputs(m);
-  bind_nodes(m);
-  py::class_<GraphObject>(m, "Graph", py::dynamic_attr())
-      .def(py::init(
-               [](const std::string& cache, std::uint64_t memory, std::uint64_t file_memory, int threads) {
-                 SessionOptions o;
-                 o.cache_folder = cache;
-                 o.file_memory = file_memory;
-                 o.threads = threads;
-                 if (memory > 0) o.memory = memory;
-                 return std::make_unique<GraphObject>(o, callers_place().file);
-               }),
-           arg("cache"), arg("memory"), arg("file_memory"), arg("threads"))
-      .def("_open", [](GraphObject& g, const std::string& file) { g.open(file); })
+// Opening, nodes and ports.
+void bind_nodes_of_graph(py::class_<GraphObject>& c) {
+  c.def("_open", [](GraphObject& g, const std::string& file) { g.open(file); })
       .def("_open_text",
            [](GraphObject& g, const std::string& text, const std::string& file) { g.open_text(text, file); })
       .def("_add",
@@ -298,17 +283,20 @@ void bind_graph(py::module_& m) {
              for (const auto& n : g.document().nodes) out.push_back(n.name);
              return out;
            })
-      .def("_ports",
-           [](const GraphObject& g, bool outputs) {
-             std::vector<std::pair<std::string, std::string>> out;
-             for (const auto& [name, w] : outputs ? g.document().outputs : g.document().inputs)
-               out.emplace_back(name, w.text);
-             return out;
-           })
-      .def("_set_port",
-           [](GraphObject& g, bool is_output, const std::string& name, const std::string& reference) {
-             g.set_port(is_output, name, reference, callers_place());
-           })
+      .def("_ports", [](const GraphObject& g, bool outputs) {
+        std::vector<std::pair<std::string, std::string>> out;
+        for (const auto& [name, w] : outputs ? g.document().outputs : g.document().inputs)
+          out.emplace_back(name, w.text);
+        return out;
+      });
+}
+
+// Parameters, name and links.
+void bind_parameters_of_graph(py::class_<GraphObject>& c) {
+  c.def("_set_port",
+        [](GraphObject& g, bool is_output, const std::string& name, const std::string& reference) {
+          g.set_port(is_output, name, reference, callers_place());
+        })
       .def("_parameters", parameters)
       .def("_add_parameter", add_parameter)
       .def("_parameter_reference",
@@ -323,14 +311,17 @@ void bind_graph(py::module_& m) {
       .def("_set_name", &GraphObject::set_name)
       .def("_file", [](const GraphObject& g) { return g.opened().string(); })
       .def("_written_parameter", &GraphObject::written_parameter)
-      .def("_link",
-           [](GraphObject& g) {
-             py::list out;
-             for (const auto& d : g.link()) out.append(to_python(d));
-             return out;
-           })
-      .def("_text", [](GraphObject& g, const std::string& folder,
-                       bool flat) { return flat ? g.flat_text(folder) : g.text(folder); })
+      .def("_link", [](GraphObject& g) {
+        py::list out;
+        for (const auto& d : g.link()) out.append(to_python(d));
+        return out;
+      });
+}
+
+// What a graph writes.
+void bind_texts_of_graph(py::class_<GraphObject>& c) {
+  c.def("_text", [](GraphObject& g, const std::string& folder,
+                    bool flat) { return flat ? g.flat_text(folder) : g.text(folder); })
       .def("_given_value",
            [](const GraphObject& g, const std::string& node) { return to_python(g.given_value(node)); })
       .def("_save",
@@ -351,6 +342,27 @@ void bind_graph(py::module_& m) {
       .def("_revision", &GraphObject::revision)
       .def("_write_trouble", [](GraphObject& g) { return g.session().evaluator().store().trouble(); })
       .def("_written", [](GraphObject& g) { return g.session().evaluator().store().written(); });
+}
+
+}  // namespace
+
+void bind_graph(py::module_& m) {
+  using py::arg;
+  bind_outputs(m);
+  bind_nodes(m);
+  py::class_<GraphObject> c(m, "Graph", py::dynamic_attr());
+  c.def(py::init([](const std::string& cache, std::uint64_t memory, std::uint64_t file_memory, int threads) {
+          SessionOptions o;
+          o.cache_folder = cache;
+          o.file_memory = file_memory;
+          o.threads = threads;
+          if (memory > 0) o.memory = memory;
+          return std::make_unique<GraphObject>(o, callers_place().file);
+        }),
+        arg("cache"), arg("memory"), arg("file_memory"), arg("threads"));
+  bind_nodes_of_graph(c);
+  bind_parameters_of_graph(c);
+  bind_texts_of_graph(c);
 }
 
 }  // namespace terrazzo::python
