@@ -19,7 +19,8 @@ namespace {
 // resolved.
 fs::path confined(const fs::path& folder, const std::string& relative) {
   std::error_code error;
-  const fs::path path = folder / relative, root = fs::weakly_canonical(folder, error);
+  const fs::path path = folder / relative;
+  const fs::path root = fs::weakly_canonical(folder, error);
   const fs::path parent = error ? fs::path() : fs::weakly_canonical(path.parent_path(), error);
   if (error) throw Error("write-failed", "cannot write '" + path.string() + "': " + error.message());
   if (leaves_folder(relative) || leaves_folder(parent.lexically_relative(root)))

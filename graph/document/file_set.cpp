@@ -7,7 +7,8 @@ namespace fs = std::filesystem;
 
 fs::path place_of(const fs::path& path) {
   std::error_code error;
-  const fs::path full = fs::absolute(path, error), name = full.filename();
+  const fs::path full = fs::absolute(path, error);
+  const fs::path name = full.filename();
   // Not simplified as text first: after a link, `..` leads to the folder of what the link refers to.
   if (name == "." || name == ".." || name.empty()) return fs::weakly_canonical(full, error);
   const fs::path folder = fs::weakly_canonical(full.parent_path(), error);

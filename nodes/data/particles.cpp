@@ -36,7 +36,9 @@ Particles decode_particles(Reader& r) {
 }
 
 nlohmann::json describe(const Particles& v) {
-  nlohmann::json position = nlohmann::json::array(), orientation = position, color = position;
+  nlohmann::json position = nlohmann::json::array();
+  nlohmann::json orientation = position;
+  nlohmann::json color = position;
   for (std::size_t i = 0; i < v.count(); ++i) {
     position.push_back(json_of(v.position[i]));
     const Quat& q = v.orientation[i];

@@ -150,7 +150,8 @@ void add_colors(Volume& volume, const std::function<Vec3f(const Vec3& p, const V
         const openvdb::Coord c = at.getCoord();
         Vec3 slope;
         for (int k = 0; k < 3; ++k) {
-          openvdb::Coord low = c, high = c;
+          openvdb::Coord low = c;
+          openvdb::Coord high = c;
           --low[k];
           ++high[k];
           slope[k] = double(voxels.getValue(high)) - double(voxels.getValue(low));

@@ -61,7 +61,8 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   field.voxel_ = grid->voxelSize().x();
   const openvdb::CoordBBox box = voxels_of(volume, *grid);
   if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
-  const openvdb::Coord first = box.min(), size = box.dim();
+  const openvdb::Coord first = box.min();
+  const openvdb::Coord size = box.dim();
   field.resolution_ = Vec3i(size.x(), size.y(), size.z());
   const Vec3i n = field.resolution_;
   field.voxels_.resize(voxel_count(n));

@@ -17,7 +17,8 @@ namespace {
 struct Pixels {
   std::array<std::vector<float>, 3> channel;
   std::array<std::array<std::vector<float>, 3>, 4> half;  // left, right, top, bottom
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), variance = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Vector3d variance = Eigen::Vector3d::Zero();
   Vec3f linear = Vec3f::Zero();
 };
 

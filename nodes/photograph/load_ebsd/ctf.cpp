@@ -80,8 +80,10 @@ Header read_header(Lines& lines) {
   if (!lines.next(line) || !trimmed_cell(line).starts_with("Channel Text File"))
     lines.unreadable("it does not begin with 'Channel Text File'");
   Header h;
-  h.grid.x_step_name = "XStep", h.grid.y_step_name = "YStep";
-  h.grid.columns_name = "XCells", h.grid.rows_name = "YCells";
+  h.grid.x_step_name = "XStep";
+  h.grid.y_step_name = "YStep";
+  h.grid.columns_name = "XCells";
+  h.grid.rows_name = "YCells";
   std::vector<std::string_view> cells;
   while (h.columns.empty() && lines.next(line)) {
     split(line, cells);
@@ -103,7 +105,8 @@ MapPoint read_point(const double (&v)[6], std::size_t phases, const Lines& lines
   p.phase = static_cast<int>(v[0]) - 1;
   constexpr double degree = std::numbers::pi / 180;
   if (p.phase >= 0) p.orientation = from_bunge(v[1] * degree, v[2] * degree, v[3] * degree);
-  p.quality = static_cast<float>(v[4]), p.deviation = static_cast<float>(v[5]);
+  p.quality = static_cast<float>(v[4]);
+  p.deviation = static_cast<float>(v[5]);
   return p;
 }
 

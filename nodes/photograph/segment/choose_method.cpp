@@ -13,7 +13,9 @@ Method method_of(const SegmentOptions& options) {
 }
 
 Reliability reliability_of(const Proposal& clusters, const Proposal& network, const Proposal& both) {
-  const Proposal::Weight c = clusters.weight(), n = network.weight(), b = both.weight();
+  const Proposal::Weight c = clusters.weight();
+  const Proposal::Weight n = network.weight();
+  const Proposal::Weight b = both.weight();
   const double there = std::max({c.right, n.right, b.right});
   const auto precision = [&](const Proposal::Weight& w) {
     return w.right > 0 ? w.right / (w.found + there - w.right) : 0;

@@ -55,7 +55,10 @@ void cut_by_ignored(Segmentation& s) {
   for (std::size_t i = 0; i < s.labels.ids.size(); ++i)
     if (s.ignored[i] || is_speck(s.labels.ids[i])) s.labels.ids[i] = 0;
   for (std::size_t k = 1; k < seen.size(); ++k)
-    if (seen[k] > 0 && is_speck(static_cast<std::int32_t>(k))) ++s.specks, s.speck_pixels += seen[k];
+    if (seen[k] > 0 && is_speck(static_cast<std::int32_t>(k))) {
+      ++s.specks;
+      s.speck_pixels += seen[k];
+    }
 }
 
 // Removes labels without pixels or with too little confidence, and renumbers the rest. What such a particle
@@ -73,7 +76,8 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
       ++s.unlikely;
       continue;
     }
-    confidence[count] = confidence[k - 1], s.labels.classes[count] = s.labels.classes[k - 1];
+    confidence[count] = confidence[k - 1];
+    s.labels.classes[count] = s.labels.classes[k - 1];
     number[k] = ++count;
   }
   confidence.resize(count), s.labels.classes.resize(count);
@@ -108,7 +112,8 @@ Segmentation segment(const Image& photo, const SegmentOptions& given, const Work
   Finding found =
       tiled ? find_in_tiles(photo, options, work.part(0, 0.9)) : find_in_whole(photo, options, nullptr, work);
   Segmentation s = std::move(found.result);
-  s.ignored = std::move(found.ignored), s.undecided = std::move(found.undecided);
+  s.ignored = std::move(found.ignored);
+  s.undecided = std::move(found.undecided);
   s.not_material.insert(s.not_material.begin(), objects.begin(), objects.end());
   measure_scales(photo, s);
   drop_labels(s, found.confidence, options.min_confidence);
@@ -143,8 +148,10 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
       throw Error("bad-labels", "a pixel has the label " + std::to_string(id) + ", but only " +
                                     std::to_string(labels.count()) + " labels have a class");
     if (id == 0) continue;
-    if (number[id] == 0)
-      classes.push_back(labels.classes[id - 1]), number[id] = static_cast<std::int32_t>(classes.size());
+    if (number[id] == 0) {
+      classes.push_back(labels.classes[id - 1]);
+      number[id] = static_cast<std::int32_t>(classes.size());
+    }
     id = number[id];
   }
   s.labels.classes = std::move(classes);

@@ -11,7 +11,8 @@
 
 namespace terrazzo::shape_estimate {
 
-inline constexpr std::size_t kFitLeast = 12, kFitEnough = 24;  // usable profiles
+inline constexpr std::size_t kFitLeast = 12;
+inline constexpr std::size_t kFitEnough = 24;  // usable profiles
 
 struct ClassEstimate {
   std::vector<Shape> shapes;  // the probabilities sum to 1

@@ -62,7 +62,8 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
         if (tries[k].value < tries[chosen].value) chosen = k;
       if (!(tries[chosen].value < best.value)) break;
       const bool little = tries[chosen].value > kLittle * best.value;
-      const Eigen::VectorXd x = tries[chosen].x - best.x, r = reached[chosen] - at;
+      const Eigen::VectorXd x = tries[chosen].x - best.x;
+      const Eigen::VectorXd r = reached[chosen] - at;
       slope += (r - slope * x) * x.transpose() / x.squaredNorm();
       best = tries[chosen];
       at = reached[chosen];

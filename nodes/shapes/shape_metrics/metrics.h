@@ -15,7 +15,8 @@ namespace terrazzo::shape_metrics {
 // Curvature bins from −4 to 8, 0.25 wide, in units of the curvature of a circle of equal length. The end
 // bins include values beyond.
 inline constexpr int kCurvatureBins = 48;
-inline constexpr double kCurvatureFrom = -4, kCurvatureStep = 0.25;
+inline constexpr double kCurvatureFrom = -4;
+inline constexpr double kCurvatureStep = 0.25;
 
 // Statistics over all profiles of the sections of one kind; disjoint profiles of a
 // section are counted separately.

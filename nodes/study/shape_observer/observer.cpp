@@ -72,7 +72,8 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
   double told = 0;
   for (int fold = 0; fold < kFolds; ++fold) {
     work.check();
-    Eigen::VectorXd mean_a = Eigen::VectorXd::Zero(d), mean_b = mean_a;
+    Eigen::VectorXd mean_a = Eigen::VectorXd::Zero(d);
+    Eigen::VectorXd mean_b = mean_a;
     double n = 0;
     for (Eigen::Index v = 0; v < choice.views; ++v)
       if (v % kFolds != fold) {
@@ -85,7 +86,8 @@ Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoic
     Eigen::MatrixXd cov = Eigen::MatrixXd::Zero(d, d);
     for (Eigen::Index v = 0; v < choice.views; ++v)
       if (v % kFolds != fold) {
-        const Eigen::VectorXd x = a.row(v).transpose() - mean_a, y = b.row(v).transpose() - mean_b;
+        const Eigen::VectorXd x = a.row(v).transpose() - mean_a;
+        const Eigen::VectorXd y = b.row(v).transpose() - mean_b;
         cov += (x * x.transpose() + y * y.transpose()) / (2 * n);
       }
     const Eigen::VectorXd diagonal = cov.diagonal();

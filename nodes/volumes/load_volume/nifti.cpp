@@ -220,7 +220,10 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
   }
   znzFile last = file.release();
   if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is truncated");
-  if (n.scl_slope != 0) s.slope = n.scl_slope, s.intercept = n.scl_inter;
+  if (n.scl_slope != 0) {
+    s.slope = n.scl_slope;
+    s.intercept = n.scl_inter;
+  }
   const double unit = n.xyz_units == NIFTI_UNITS_METER ? 1000 : n.xyz_units == NIFTI_UNITS_MICRON ? 0.001 : 1;
   const Mat3 axes = axes_of(n);
   const bool placed = n.sform_code > 0;

@@ -155,7 +155,8 @@ std::string inflate_exactly(std::string_view packed, std::size_t expected, const
     const std::size_t room = std::min(kPart, expected - written);
     stream.next_out = reinterpret_cast<Bytef*>(room > 0 ? out.data() + written : &none);
     stream.avail_out = static_cast<uInt>(std::max<std::size_t>(room, 1));
-    const uInt in = stream.avail_in, free = stream.avail_out;
+    const uInt in = stream.avail_in;
+    const uInt free = stream.avail_out;
     state = inflate(&stream, Z_NO_FLUSH);
     read += in - stream.avail_in;
     written += free - stream.avail_out;

@@ -38,7 +38,8 @@ class ProgressLine : public Observer {
   struct At {
     double fraction = 0;
     std::string note;
-    Clock::time_point start = Clock::now(), told = start;
+    Clock::time_point start = Clock::now();
+    Clock::time_point told = start;
   };
   std::map<int, At> running_;
   Clock::time_point last_{};

@@ -36,7 +36,9 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const NodeResult& r = run.nodes[i];
     if (r.status == Status::Unneeded) continue;
-    json outputs = json::object(), metrics = json::object(), files = json::array();
+    json outputs = json::object();
+    json metrics = json::object();
+    json files = json::array();
     for (const auto& [port, o] : r.outputs)
       outputs[port] = {{"type", o.type}, {"content", o.content.text()}, {"bytes", o.bytes}};
     for (const auto& [name, v] : r.metrics) metrics[name] = v;

@@ -75,7 +75,10 @@ json task_json(const slurm::Task& t) {
 }
 
 json status_json(const SweepStatus& s, const QueueStatus& queue, double seconds_left) {
-  json list = json::array(), jobs = json::array(), failures = json::array(), running = json::array();
+  json list = json::array();
+  json jobs = json::array();
+  json failures = json::array();
+  json running = json::array();
   for (const auto& t : queue.tasks) list.push_back(task_json(t));
   for (const auto& job : queue.jobs) {
     jobs.push_back(task_json(job.task));

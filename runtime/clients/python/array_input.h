@@ -47,7 +47,8 @@ py::array_t<T, py::array::c_style | py::array::forcecast> numbers(const py::arra
 }
 
 // Lengths as parameters of nodes take them.
-inline constexpr double kSmallestLength = 1e-9, kLargestLength = 1e9;  // mm
+inline constexpr double kSmallestLength = 1e-9;
+inline constexpr double kLargestLength = 1e9;  // mm
 
 inline void require_length(double v, const char* name) {
   if (!(v >= kSmallestLength && v <= kLargestLength))

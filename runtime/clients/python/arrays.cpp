@@ -26,7 +26,9 @@ struct Extent {
 Extent extent_of(const py::array& a, bool color, const char* what) {
   const Shape_ shape = shape_of(a);
   const std::size_t n = shape.size() - (color ? 1 : 0);
-  const py::ssize_t sections = n == 3 ? shape[0] : 1, height = shape[n - 2], width = shape[n - 1];
+  const py::ssize_t sections = n == 3 ? shape[0] : 1;
+  const py::ssize_t height = shape[n - 2];
+  const py::ssize_t width = shape[n - 1];
   if (sections < 1 || height < 1 || width < 1)
     throw Error("empty-image", fmt::format("{} is empty: {}", what, text_of(a)));
   constexpr py::ssize_t most = std::numeric_limits<int>::max();

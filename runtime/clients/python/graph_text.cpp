@@ -85,7 +85,8 @@ std::string GraphObject::text(const fs::path& folder, const StandIns& stand_ins)
     throw Error("not-savable", "a graph file cannot record changes of nodes inside subgraphs",
                 "save it with flat=True, which writes all nodes, or add a parameter to the subgraph's file");
   // Paths that were read from the file are relative to its folder; those set here are absolute.
-  const fs::path to = fs::absolute(folder).lexically_normal(), from = opened_.parent_path();
+  const fs::path to = fs::absolute(folder).lexically_normal();
+  const fs::path from = opened_.parent_path();
   const auto moved = [&](std::string& path, bool ours) {
     if (path.empty() || path.rfind("${", 0) == 0) return;
     const fs::path p = path;

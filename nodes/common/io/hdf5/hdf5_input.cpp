@@ -208,7 +208,8 @@ Hdf5Input::Address Hdf5Input::find(const std::string& path) const {
     const auto all = children(at);
     const auto it = all.find(path.substr(begin, end - begin));
     if (it == all.end()) return 0;
-    at = it->second, begin = end + 1;
+    at = it->second;
+    begin = end + 1;
   }
   return at;
 }

@@ -36,7 +36,8 @@ void png_failed(png_structp png, png_const_charp message) {
 void png_ignored(png_structp, png_const_charp) {}  // about metadata; check_png() verified the rest
 
 struct PngHeader {
-  png_uint_32 width = 0, height = 0;
+  png_uint_32 width = 0;
+  png_uint_32 height = 0;
   int depth = 8, kind = 0, channels = 1;
   std::size_t row = 0;  // bytes
   png_colorp colors = nullptr;

@@ -101,7 +101,8 @@ LabImage blur(const LabImage& image, float sigma, const Work& work) {
   const auto matrix = [](const LabImage& of) {
     return cv::Mat(of.height, of.width, CV_32FC3, const_cast<Vec3f*>(of.pixels.data()));
   };
-  const cv::Mat from = matrix(image), to = matrix(out);
+  const cv::Mat from = matrix(image);
+  const cv::Mat to = matrix(out);
   work.parallel(image.height, rows, [&](std::size_t b, std::size_t e) {
     const cv::Range part(static_cast<int>(b), static_cast<int>(e));
     cv::Mat strip = to.rowRange(part);  // the filter sees the rows around the strip too

@@ -58,7 +58,8 @@ cv::Vec3b second_color(const cv::Mat& strip, const cv::Vec3b& background) {
 // far each pixel is from the strip's colors.
 int first_flat_row(const cv::Mat& away, const cv::Mat& levels) {
   const int height = levels.rows;
-  const cv::Mat flat = away <= kSame, exact = away <= 2;
+  const cv::Mat flat = away <= kSame;
+  const cv::Mat exact = away <= 2;
   const std::vector<double> share = shares_of_rows(flat), exactly = shares_of_rows(exact);
   int best = height, strange = 0;
   double flat_sum = share[height - 1], exact_sum = exactly[height - 1];

@@ -125,7 +125,9 @@ std::optional<double> step_at(const cv::Mat& gray, int y, int left, int right) {
   for (int x = left; x < right; ++x) {
     const int a = gray.at<std::uint8_t>(y - 1, x), b = gray.at<std::uint8_t>(y, x);
     if (std::max(a, b) < kBlack || std::min(a, b) > kWhite) continue;
-    up += b - a >= kVisible, down += a - b >= kVisible, ++all;
+    up += b - a >= kVisible;
+    down += a - b >= kVisible;
+    ++all;
   }
   if (all == 0) return {};
   return static_cast<double>(up > down ? up : -down) / all;

@@ -87,7 +87,8 @@ Cutout enlarged(const Cutout& piece, const CloseUp& seen, const cv::Mat& logits,
         to(static_cast<int>(std::lround(r.br().x * x)), static_cast<int>(std::lround(r.br().y * y)));
     return cv::Rect(from, to);
   };
-  const cv::Rect square = scaled(seen.square), box = scaled(piece.box);
+  const cv::Rect square = scaled(seen.square);
+  const cv::Rect box = scaled(piece.box);
   Cutout out;
   out.box = square & box & cv::Rect(cv::Point(0, 0), larger);
   cv::Mat logit, near;

@@ -39,7 +39,8 @@ Evidence evidence_of(const Cutout& r, const ScaleView& view, const cv::Mat& near
   const cv::Mat inside = view.map(m.inside)(r.box), border = view.map(m.border)(r.box),
                 distance = view.map(m.distance)(r.box), other = view.map(m.not_material)(r.box);
   const double area = cv::countNonZero(r.mask);
-  const cv::Mat edge = r.mask & (shrunk(r.mask, cross, 1) == 0), within = shrunk(r.mask, square, 2);
+  const cv::Mat edge = r.mask & (shrunk(r.mask, cross, 1) == 0);
+  const cv::Mat within = shrunk(r.mask, square, 2);
   cv::Mat near, around;
   cv::dilate(r.mask, near, cross);
   cv::dilate(r.mask, around, square, cv::Point(-1, -1), 3);

@@ -18,7 +18,8 @@ constexpr float kNoise = 4, kTexture = 2;  // the least contrast, in standard de
 // Weighted sums over pixels of one label.
 struct Sums {
   double weight = 0, squares = 0;
-  Eigen::Vector3d seen = Eigen::Vector3d::Zero(), light = Eigen::Vector3d::Zero();
+  Eigen::Vector3d seen = Eigen::Vector3d::Zero();
+  Eigen::Vector3d light = Eigen::Vector3d::Zero();
   void add(const Sums& s, double factor) {
     weight += factor * s.weight;
     squares += factor * s.squares;
@@ -55,7 +56,8 @@ class Contacts {
     const double apart = (own.seen / own.weight - binder.seen / binder.weight).squaredNorm();
     const double texture = (own.variance() + binder.variance()) / 2;
     if (apart < kTexture * kTexture * texture || apart < kNoise * kNoise * noise_ * noise_) return 1;
-    const Eigen::Vector3d b = binder.light / binder.weight, axis = own.light / own.weight - b;
+    const Eigen::Vector3d b = binder.light / binder.weight;
+    const Eigen::Vector3d axis = own.light / own.weight - b;
     if (axis.squaredNorm() < 1e-12) return 1;
     return (light_[i].cast<double>() - b).dot(axis) / axis.squaredNorm();
   }

@@ -167,7 +167,8 @@ class Worker {
 int sweep_worker(const Program& program, WorkerCommand& o) {
   if (o.shared != o.chunk.empty()) throw Error("usage", "give either --chunk K/N or --shared");
   const Chunk chunk = o.shared ? Chunk{} : parse_chunk(o.chunk);
-  const fs::path file = fs::absolute(o.file).lexically_normal(), out = file.parent_path();
+  const fs::path file = fs::absolute(o.file).lexically_normal();
+  const fs::path out = file.parent_path();
   if (!o.cache.empty()) o.cache = fs::absolute(o.cache).string();
   const fs::path jobs = jobs_folder(out);
   const WorkerLog log(

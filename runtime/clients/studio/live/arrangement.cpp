@@ -120,7 +120,8 @@ std::optional<std::string> read_arrangement(const fs::path& graph) {
 }
 
 void write_arrangement(const fs::path& graph, const std::string& text) {
-  const fs::path file = arrangement_file(graph), former = former_file(graph);
+  const fs::path file = arrangement_file(graph);
+  const fs::path former = former_file(graph);
   if (!read_arrangement(graph))
     throw Error("file-exists",
                 "'" + file.string() + "' is not an arrangement of this graph, so it stays unchanged",

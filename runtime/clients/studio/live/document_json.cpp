@@ -69,10 +69,13 @@ void add_bypassed(json& document, const Graph& graph, const std::string& prefix)
 }
 
 json json_of(const RawDocument& doc, const Registry& registry, bool drawn) {
-  json nodes = json::array(), outputs = json::array(), parameters = json::array();
+  json nodes = json::array();
+  json outputs = json::array();
+  json parameters = json::array();
   for (const auto& node : doc.nodes) {
     if (!drawn) break;
-    json params = json::object(), inputs = json::object();
+    json params = json::object();
+    json inputs = json::object();
     for (const auto& [name, value] : node.params) params[name] = value_json(value);
     for (const auto& [port, wires] : node.inputs) {
       json list = json::array();

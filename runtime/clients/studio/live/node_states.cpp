@@ -22,7 +22,9 @@ json json_of(const Diagnostic& d) {
 }
 
 json json_of(const NodeState& s) {
-  json outputs = json::object(), files = json::array(), previews = json::object();
+  json outputs = json::object();
+  json files = json::array();
+  json previews = json::object();
   for (const auto& [port, o] : s.result.outputs)
     outputs[port] = {{"type", o.type}, {"hash", o.content.text()}, {"bytes", o.bytes}};
   for (const auto& f : s.result.files) files.push_back(f.path);
