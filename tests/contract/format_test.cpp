@@ -22,6 +22,35 @@ TEST(Sources, AreFormatted) {
   EXPECT_EQ(std::system(command.c_str()), 0) << "run ./dev format";
 }
 
+// The longest function at the level of a namespace. The goal is 60 lines.
+TEST(Sources, HaveNoFunctionOverAHundredLines) {
+  const std::regex other("^(namespace|struct|class|enum|union|extern|template) |[=;]$|= \\{$");
+  int functions = 0;
+  for (const char* layer : {"graph", "runtime", "nodes"})
+    for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / layer)) {
+      if (e.path().extension() != ".h" && e.path().extension() != ".cpp") continue;
+      std::ifstream in(e.path());
+      int number = 0, start = 0;
+      bool function = false;
+      for (std::string line; std::getline(in, line);) {
+        ++number;
+        if (line.empty() || line[0] == '/' || line[0] == '#') continue;
+        const bool outside = line[0] != ' ';
+        if (outside && line[0] == '}') {
+          if (function) {
+            ++functions;
+            EXPECT_LE(number - start + 1, 100) << e.path() << ":" << start;
+          }
+          function = false;
+        } else if (outside) {
+          start = number;
+          function = !std::regex_search(line, other);
+        }
+      }
+    }
+  EXPECT_GT(functions, 2000);
+}
+
 // Files whose streams carry words, lines or binary data, but no numbers as text.
 const std::set<std::string> kStreams = {"nodes/common/io/pictures/color_config.cpp",
                                         "nodes/common/io/provenance_text.cpp",
