@@ -151,7 +151,7 @@ class Editor {
     auto& items = it->second.written.items;
     if (items.size() == 1) return remove(params, path, e.name);
     take(remove_yaml_item(text_, path, e.index));
-    items.erase(items.begin() + static_cast<std::ptrdiff_t>(e.index));
+    items.erase(items.begin() + e.index);
   }
 
   void set_default(const Edit& e) {

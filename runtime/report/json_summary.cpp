@@ -22,7 +22,7 @@ void shorten_lists(json& j, std::size_t most) {
     const bool numbers = j[0].is_number() && j.size() <= 20 * most;
     if (!numbers) {
       const std::size_t all = j.size();
-      j.erase(j.begin() + static_cast<std::ptrdiff_t>(most), j.end());
+      j.erase(j.begin() + most, j.end());
       for (auto& x : j) shorten_lists(x, most);
       j = {{"shown", j}, {"of", all}};
       return;

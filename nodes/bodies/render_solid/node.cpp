@@ -70,8 +70,7 @@ void compute(Context& c) {
                          c.work().part(0.05 + 0.95 * i / frames, 0.05 + 0.95 * (i + 1) / frames),
                          shown ? show : std::function<void(Image)>());
     tone.apply(image);
-    std::copy(image.pixels.begin(), image.pixels.end(),
-              turn.pixels.begin() + static_cast<std::ptrdiff_t>(turn.index(0, 0, i)));
+    std::copy(image.pixels.begin(), image.pixels.end(), turn.pixels.begin() + turn.index(0, 0, i));
   }
   c.output("image", std::move(turn));
 }

@@ -10,7 +10,7 @@ namespace terrazzo {
 // The element at index `rank` < v.size() of the sorted `v`. Reorders v.
 template <class T>
 T at_rank(std::vector<T>& v, std::size_t rank) {
-  const auto at = v.begin() + static_cast<std::ptrdiff_t>(rank);
+  const auto at = v.begin() + rank;
   std::nth_element(v.begin(), at, v.end());
   return *at;
 }

@@ -49,7 +49,7 @@ double bar_spacing(const Plot& plot) {
   double spacing = INFINITY;
   for (const auto& s : plot.series) {
     if (s.kind != PlotSeries::Kind::Bars) continue;
-    std::vector<double> x(s.x.begin(), s.x.begin() + static_cast<std::ptrdiff_t>(points_of(s)));
+    std::vector<double> x(s.x.begin(), s.x.begin() + points_of(s));
     std::erase_if(x, [&](double v) { return !std::isfinite(v) || (plot.log_x && v <= 0); });
     if (plot.log_x)
       for (double& v : x) v = std::log(v);
@@ -68,9 +68,7 @@ bool bars_share_places(const Plot& plot) {
     const std::size_t others = taken.size();
     for (std::size_t i = 0; i < points_of(s); ++i) {
       if (!std::isfinite(s.y[i])) continue;
-      if (std::find(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(others), s.x[i]) !=
-          taken.begin() + static_cast<std::ptrdiff_t>(others))
-        return true;
+      if (std::find(taken.begin(), taken.begin() + others, s.x[i]) != taken.begin() + others) return true;
       taken.push_back(s.x[i]);
     }
   }

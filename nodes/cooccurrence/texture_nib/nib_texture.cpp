@@ -21,8 +21,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
         .parameter("region");
   t.levels = color_levels(colors, s.levels, s.space, s.seed, work);
   const int levels = t.levels.count();
-  t.colors.assign(picture.pixels.begin(),
-                  picture.pixels.begin() + static_cast<std::ptrdiff_t>(region.size()));
+  t.colors.assign(picture.pixels.begin(), picture.pixels.begin() + region.size());
   t.positions.resize(region.size(), Vec3f::Zero());
   t.level.assign(region.size(), kNoLevel);
   t.pixels_of.resize(levels);

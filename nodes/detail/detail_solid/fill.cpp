@@ -191,7 +191,7 @@ class Level {
     if (!equal) {
       std::vector<float> d;
       for (const std::int32_t t : targets_) d.push_back(distance_[t]);
-      const auto middle = d.begin() + static_cast<std::ptrdiff_t>(d.size() * 3 / 4);
+      const auto middle = d.begin() + (d.size() * 3 / 4);
       std::nth_element(d.begin(), middle, d.end());
       scale = std::max(*middle, 1e-8f);
     }

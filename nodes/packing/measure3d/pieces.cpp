@@ -177,7 +177,7 @@ Phases split_phases(Raster& raster, const Work& work) {
   for (std::size_t row = 0; row + 1 < runs.row_begin.size(); ++row)
     for (std::size_t k = runs.row_begin[row]; k < runs.row_begin[row + 1]; ++k)
       if (const std::int32_t to = renamed[pieces.of_run[k]]; to >= 0) {
-        const auto at = raster.ids.begin() + static_cast<std::ptrdiff_t>(row * nx);
+        const auto at = raster.ids.begin() + (row * nx);
         std::fill(at + runs.runs[k].begin, at + runs.runs[k].end, to);
       }
   return out;

@@ -59,8 +59,7 @@ void Packer::remove(const std::vector<bool>& keep) {
     ++result_.dropped;
     result_.dropped_volume += volume_of(i);
   }
-  population_.kept -=
-      (std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(population_.kept), false));
+  population_.kept -= (std::count(keep.begin(), keep.begin() + population_.kept, false));
   keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
   keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep);
   keep_only(p.position, keep), keep_only(p.orientation, keep), keep_only(index_, keep);

@@ -39,7 +39,7 @@ void Proposal::fill(int section, const Image& image, const NetworkView* judge, c
     filled_ = {};
     filled_confidence_ = {};
   }
-  const auto begin = labels.ids.begin() + static_cast<std::ptrdiff_t>(section * plane);
+  const auto begin = labels.ids.begin() + (section * plane);
   std::vector<std::int32_t> own(begin, begin + static_cast<std::ptrdiff_t>(plane));
   std::map<std::int32_t, std::int32_t> names;  // numbers of all sections → 1 to n
   for (auto& id : own)
@@ -76,8 +76,7 @@ void Proposal::renumber(std::size_t plane) {
   std::vector<std::int32_t> number(confidence.size() + 1, 0);
   std::vector<double> ordered;
   for (std::size_t first = 0; first < labels.ids.size(); first += plane) {
-    std::vector<std::int32_t> here(labels.ids.begin() + static_cast<std::ptrdiff_t>(first),
-                                   labels.ids.begin() + static_cast<std::ptrdiff_t>(first + plane));
+    std::vector<std::int32_t> here(labels.ids.begin() + first, labels.ids.begin() + (first + plane));
     std::sort(here.begin(), here.end());
     here.erase(std::unique(here.begin(), here.end()), here.end());
     for (const auto id : here) {

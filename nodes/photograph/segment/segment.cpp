@@ -164,7 +164,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   std::vector<float> coverage;
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
   for (int i = 0; i < labels.sections; ++i) {
-    const auto first = s.labels.ids.begin() + static_cast<std::ptrdiff_t>(size * i);
+    const auto first = s.labels.ids.begin() + (size * i);
     const auto share =
         smooth_coverage({first, first + static_cast<std::ptrdiff_t>(size)}, image.width, image.height, work);
     coverage.insert(coverage.end(), share.begin(), share.end());

@@ -22,11 +22,9 @@ Image crop(const Image& image, const IgnoredPixels& ignored, int section, int le
   bool any = false;
   for (int y = 0; y < height; ++y) {
     const std::size_t from = image.index(left, top + y, section);
-    std::copy_n(image.pixels.begin() + static_cast<std::ptrdiff_t>(from), width,
-                out.pixels.begin() + static_cast<std::ptrdiff_t>(out.index(0, y, 0)));
+    std::copy_n(image.pixels.begin() + from, width, out.pixels.begin() + out.index(0, y, 0));
     if (ignored.empty()) continue;
-    of_crop.insert(of_crop.end(), ignored.begin() + static_cast<std::ptrdiff_t>(from),
-                   ignored.begin() + static_cast<std::ptrdiff_t>(from) + width);
+    of_crop.insert(of_crop.end(), ignored.begin() + from, ignored.begin() + from + width);
     any = any || std::find(of_crop.end() - width, of_crop.end(), 1) != of_crop.end();
   }
   if (!any) of_crop.clear();
@@ -186,7 +184,7 @@ class TileJoiner {
         o.top = std::min(o.top, other.top);
         o.bottom = std::max(o.bottom, other.bottom);
         o.pixels = std::max(o.pixels, other.pixels);
-        objects.erase(objects.begin() + static_cast<std::ptrdiff_t>(k));
+        objects.erase(objects.begin() + k);
         k = 0;
       } else {
         ++k;

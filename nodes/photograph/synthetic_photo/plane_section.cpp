@@ -251,11 +251,9 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
         return dx * dx + dy * dy - seeds[k].weight;
       };
       const std::size_t near = std::min(kNearest, order.size());
-      std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(near), order.end(),
-                        [&](std::size_t a, std::size_t b) {
-                          return power(a, bx + kBlock / 2, by + kBlock / 2) <
-                                 power(b, bx + kBlock / 2, by + kBlock / 2);
-                        });
+      std::partial_sort(order.begin(), order.begin() + near, order.end(), [&](std::size_t a, std::size_t b) {
+        return power(a, bx + kBlock / 2, by + kBlock / 2) < power(b, bx + kBlock / 2, by + kBlock / 2);
+      });
       for (int y = by; y < std::min(c.height, by + kBlock); ++y)
         for (int x = bx; x < std::min(c.width, bx + kBlock); ++x) {
           double wx = x, wy = y;

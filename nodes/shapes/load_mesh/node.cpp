@@ -69,8 +69,7 @@ void repair_surfaces(std::vector<Mesh>& surfaces, std::vector<std::string>& done
   if (sorted.flat.empty() || sorted.flat.size() == surfaces.size()) return;
   done.push_back(fmt::format("dropped {} surface{} without volume", sorted.flat.size(),
                              sorted.flat.size() == 1 ? "" : "s"));
-  for (std::size_t k = sorted.flat.size(); k-- > 0;)
-    surfaces.erase(surfaces.begin() + static_cast<std::ptrdiff_t>(sorted.flat[k]));
+  for (std::size_t k = sorted.flat.size(); k-- > 0;) surfaces.erase(surfaces.begin() + sorted.flat[k]);
 }
 
 std::string near(const Mesh& surface) {

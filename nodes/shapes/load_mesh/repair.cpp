@@ -141,7 +141,7 @@ std::vector<std::vector<int>> holes(const Mesh& mesh) {
         continue;
       }
       // A vertex reached twice closes a loop. Continue with the path that led to it.
-      loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(again->second), path.end());
+      loops.emplace_back(path.begin() + again->second, path.end());
       for (std::size_t i = again->second + 1; i < path.size(); ++i) seen.erase(path[i]);
       path.resize(again->second + 1);
     }

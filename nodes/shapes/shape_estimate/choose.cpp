@@ -166,8 +166,7 @@ Candidates candidates_of(const Profiles& profiles, const CandidateOptions& optio
         area += (a.x() * b.y() - a.y() * b.x()) / 2;
         steps.push_back((b - a).norm());
       }
-      std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                       steps.end());
+      std::nth_element(steps.begin(), steps.begin() + (steps.size() / 2), steps.end());
       if (std::isfinite(area)) {
         open.push_back({static_cast<int>(i) + 1, &p, std::abs(area), steps[steps.size() / 2]});
       } else {

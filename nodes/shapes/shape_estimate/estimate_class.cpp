@@ -92,7 +92,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   out.by_id = true;
   out.same = outlines.size() < shapes * each || shapes == 1;
   for (std::size_t s = 0; s < shapes; ++s) {
-    const auto from = outlines.begin() + static_cast<std::ptrdiff_t>(s * each);
+    const auto from = outlines.begin() + (s * each);
     out.shapes.push_back(out.same ? outlines
                                   : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
   }

@@ -296,8 +296,7 @@ double order(std::vector<Slice>& slices, const Vec3& normal, LoadedScan& scan) {
                   "use the slices of one volume, of a single time, echo or weighting");
   }
   std::vector<double> sorted = gaps;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2),
-                   sorted.end());
+  std::nth_element(sorted.begin(), sorted.begin() + (sorted.size() / 2), sorted.end());
   const double step = sorted[sorted.size() / 2];
   double worst = 0, total = 0;
   for (std::size_t i = 0; i < gaps.size(); ++i) {

@@ -178,7 +178,7 @@ std::vector<NrrdAxis> nrrd_axes(const NrrdHeader& header, const std::filesystem:
 void leave_three(std::vector<NrrdAxis>& axes, const std::filesystem::path& path) {
   const auto drop = [&](auto&& useless) {
     for (std::size_t a = axes.size(); a-- > 0 && axes.size() > 3;)
-      if (axes[a].size == 1 && useless(axes[a])) axes.erase(axes.begin() + static_cast<std::ptrdiff_t>(a));
+      if (axes[a].size == 1 && useless(axes[a])) axes.erase(axes.begin() + a);
   };
   drop([](const NrrdAxis& a) { return a.spacing == 0; });
   drop([](const NrrdAxis&) { return true; });

@@ -134,8 +134,7 @@ void compute(Context& c) {
     const Frame frame = frame_of(scene, azimuth);
     const Work work = c.work().part(0.2 + 0.8 * i / frames, 0.2 + 0.8 * (i + 1) / frames);
     const auto pixels = gl ? gl->march(frame, counts, work) : march(scene, frame, bricks, counts, work);
-    std::copy(pixels.begin(), pixels.end(),
-              image.pixels.begin() + static_cast<std::ptrdiff_t>(image.index(0, 0, i)));
+    std::copy(pixels.begin(), pixels.end(), image.pixels.begin() + image.index(0, 0, i));
     table.rows.push_back(
         {double(i), azimuth, double(counts.rays), double(counts.samples), double(counts.lookups)});
     total += counts;

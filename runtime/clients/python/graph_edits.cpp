@@ -258,7 +258,7 @@ void GraphObject::remove(const std::string& name) {
       if (written_node(w.text) == name)
         throw Error("in-use", fmt::format("'{}' is connected to '{}' of the graph", w.text, port),
                     "remove it first: graph.output(NAME, None)");
-  document_.nodes.erase(document_.nodes.begin() + static_cast<std::ptrdiff_t>(index_.at(name)));
+  document_.nodes.erase(document_.nodes.begin() + index_.at(name));
   reindex();
   drop_unused_values();
   changed();

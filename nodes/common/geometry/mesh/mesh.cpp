@@ -35,13 +35,11 @@ std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
       edges[next[e.low()]++] = e;
     }
   for (std::size_t v = 0; v + 1 < end.size(); ++v)
-    std::sort(edges.begin() + static_cast<std::ptrdiff_t>(end[v]),
-              edges.begin() + static_cast<std::ptrdiff_t>(end[v + 1]),
-              [](const HalfEdge& a, const HalfEdge& b) {
-                if (a.high() != b.high()) return a.high() < b.high();
-                if (a.from != b.from) return a.from < b.from;
-                return a.triangle < b.triangle;
-              });
+    std::sort(edges.begin() + end[v], edges.begin() + end[v + 1], [](const HalfEdge& a, const HalfEdge& b) {
+      if (a.high() != b.high()) return a.high() < b.high();
+      if (a.from != b.from) return a.from < b.from;
+      return a.triangle < b.triangle;
+    });
   return edges;
 }
 

@@ -18,7 +18,7 @@ class ChunkOrder {
     for (std::size_t a = 0; a < most.size(); ++a) axes_.push_back(a);
     for (std::size_t a = 0; extensible && a < most.size(); ++a)
       if (most[a] == kNowhere) {
-        axes_.erase(axes_.begin() + static_cast<std::ptrdiff_t>(a));
+        axes_.erase(axes_.begin() + a);
         axes_.insert(axes_.begin(), a);
         break;
       }

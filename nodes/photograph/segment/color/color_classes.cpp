@@ -95,7 +95,7 @@ void join_alike(std::vector<Cluster>& clusters) {
       if (from == into) return;
     }
     join(clusters[into], clusters[from]);
-    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(from));
+    clusters.erase(clusters.begin() + from);
   }
 }
 

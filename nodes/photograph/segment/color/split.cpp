@@ -76,7 +76,7 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
           f.push_back(right ? 0.0f : far);
           g.resize(f.size());
           transform_line(f.data(), g.data(), f.size(), v, z);
-          std::copy(g.begin() + 1, g.end() - 1, out.begin() + static_cast<std::ptrdiff_t>(row) + x);
+          std::copy(g.begin() + 1, g.end() - 1, out.begin() + row + x);
         }
         x = end;
       }

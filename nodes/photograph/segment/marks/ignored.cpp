@@ -34,8 +34,7 @@ IgnoredPixels ignored_pixels(const Image& image, const std::vector<Area>& areas,
   const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
   for (const Area& area : areas)
     for (const auto i : surrounded(image.width, image.height, {area})) out[i] = 1;
-  for (int s = 1; s < image.sections; ++s)
-    std::copy_n(out.begin(), size, out.begin() + static_cast<std::ptrdiff_t>(size * s));
+  for (int s = 1; s < image.sections; ++s) std::copy_n(out.begin(), size, out.begin() + (size * s));
   if (mask)
     for (std::size_t i = 0; i < out.size(); ++i) out[i] |= mask->ids[i] != 0;
   const auto ignored = std::count(out.begin(), out.end(), 1);

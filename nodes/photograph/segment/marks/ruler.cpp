@@ -59,8 +59,8 @@ std::vector<double> autocorrelation(const std::vector<float>& line) {
 bool all_along(const std::vector<float>& line) {
   double least = 1e30, sum = 0;
   for (int k = 0; k < 4; ++k) {
-    const auto first = line.begin() + static_cast<std::ptrdiff_t>(line.size() * k / 4),
-               last = line.begin() + static_cast<std::ptrdiff_t>(line.size() * (k + 1) / 4);
+    const auto first = line.begin() + (line.size() * k / 4),
+               last = line.begin() + (line.size() * (k + 1) / 4);
     const double n = last - first, mean = std::accumulate(first, last, 0.0) / n;
     double energy = 0;
     for (auto i = first; i < last; ++i) energy += (*i - mean) * (*i - mean) / n;

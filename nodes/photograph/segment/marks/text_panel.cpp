@@ -175,7 +175,7 @@ std::vector<cv::Rect> joined(std::vector<cv::Rect> boxes) {
     for (std::size_t j = 0; j < boxes.size(); ++j)
       if (j != k && (boxes[j] & boxes[k]).area() > 0) {
         boxes[std::min(j, k)] |= boxes[std::max(j, k)];
-        boxes.erase(boxes.begin() + static_cast<std::ptrdiff_t>(std::max(j, k)));
+        boxes.erase(boxes.begin() + (std::max(j, k)));
         k = j = 0;
       }
   return boxes;

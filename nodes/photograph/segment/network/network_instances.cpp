@@ -145,7 +145,7 @@ std::vector<Instance> NetworkView::instances(const NetworkOptions& given, const 
     std::vector<Looked> looked(chosen.size());
     work.quiet().parallel(chosen.size(), kCloseUpsTogether, [&](std::size_t begin, std::size_t end) {
       auto some = close_looks(std::span(chosen).subspan(begin, end - begin), options.min_area);
-      std::move(some.begin(), some.end(), looked.begin() + static_cast<std::ptrdiff_t>(begin));
+      std::move(some.begin(), some.end(), looked.begin() + begin);
     });
     for (const Looked& one : looked) {
       if (one.region.mask.empty()) continue;

@@ -63,7 +63,7 @@ class Outlines {
     cv::Mat soft;
     cv::GaussianBlur(mask, soft, {}, sigma, sigma, cv::BORDER_REPLICATE);
     std::vector<float> values(soft.begin<float>(), soft.end<float>());
-    const auto last = values.begin() + static_cast<std::ptrdiff_t>(area) - 1;
+    const auto last = values.begin() + area - 1;
     std::nth_element(values.begin(), last, values.end(), std::greater<>());
     // Across a straight outline the blurred mask rises by 1/(σ√(2π)) per pixel.
     out.distance = (soft - *last) * (std::sqrt(2 * std::numbers::pi) * sigma);

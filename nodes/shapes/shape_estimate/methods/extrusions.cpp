@@ -239,7 +239,7 @@ class Solid {
       if (best == n) best = any;  // only rounding can cause this: any triangle keeps the mesh closed
       mesh_.triangles.push_back(
           {index[left[(best + n - 1) % n]], index[left[best]], index[left[(best + 1) % n]]});
-      left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+      left.erase(left.begin() + best);
     }
     mesh_.triangles.push_back({index[left[0]], index[left[1]], index[left[2]]});
   }

@@ -63,8 +63,7 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
         for (std::size_t s = begin; s < end; ++s) {
           split_slice(region, channel, f.axis, measured->lo[f.axis] + static_cast<int>(s), *measured, bands);
           for (std::size_t b = 0; b < kFinishBands; ++b)
-            std::copy(bands.band[b].begin(), bands.band[b].end(),
-                      seen[b].begin() + static_cast<std::ptrdiff_t>(s * each));
+            std::copy(bands.band[b].begin(), bands.band[b].end(), seen[b].begin() + (s * each));
         }
       });
       std::array<std::optional<ValueMap>, kFinishBands> fixed;

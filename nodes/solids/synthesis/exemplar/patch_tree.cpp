@@ -34,9 +34,8 @@ void PatchTree::build(std::size_t first, std::size_t last) {
   }
   if (widest <= 0) return;  // all equal: one leaf
   const std::size_t middle = first + (last - first) / 2;
-  std::nth_element(items_.begin() + static_cast<std::ptrdiff_t>(first),
-                   items_.begin() + static_cast<std::ptrdiff_t>(middle),
-                   items_.begin() + static_cast<std::ptrdiff_t>(last), [&](std::uint32_t a, std::uint32_t b) {
+  std::nth_element(items_.begin() + first, items_.begin() + middle, items_.begin() + last,
+                   [&](std::uint32_t a, std::uint32_t b) {
                      const float x = value(a, axis), y = value(b, axis);
                      return x != y ? x < y : a < b;
                    });

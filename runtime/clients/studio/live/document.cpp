@@ -108,7 +108,7 @@ void Document::step(std::string text, std::string arrangement, const std::string
     if (last || undo_[k].text != undo_[k + 1].text) bytes += undo_[k].text->size();
     if (last || undo_[k].arrangement != undo_[k + 1].arrangement) bytes += undo_[k].arrangement->size();
     if (bytes <= kMostUndoBytes) continue;
-    undo_.erase(undo_.begin(), undo_.begin() + static_cast<std::ptrdiff_t>(k));
+    undo_.erase(undo_.begin(), undo_.begin() + k);
     break;
   }
   show(std::move(next));

@@ -28,7 +28,7 @@ std::optional<std::vector<Event>> EventLog::after(std::uint64_t number,
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, wait, [&] { return ended_ || last_ != number; });
   if (number > last_ || number + events_.size() < last_) return {};
-  return std::vector<Event>(events_.end() - static_cast<std::ptrdiff_t>(last_ - number), events_.end());
+  return std::vector<Event>(events_.end() - (last_ - number), events_.end());
 }
 
 void EventLog::end() {
