@@ -63,10 +63,10 @@ Marks marks_of(const cv::Mat& ink, int highest) {
 bool neighbors(const Letter& a, const Letter& b) {  // a is not to the right of b
   const int higher = std::max(a.box.height, b.box.height), lower = std::min(a.box.height, b.box.height);
   const int gap = b.box.x - a.box.br().x;
-  // The bottoms are on one line, or the tops where one letter has a descender, such as µ.
-  const int apart = std::min(std::abs(a.box.br().y - b.box.br().y), std::abs(a.box.y - b.box.y));
-  return apart <= std::max(1.0, 0.1 * higher) && lower >= 0.55 * higher && gap >= -0.2 * higher &&
-         gap <= 1.2 * higher &&
+  // A space and a letter that reaches below the line, such as µ, may lie between them.
+  constexpr double kWidestGap = 1.7;
+  return std::abs(a.box.br().y - b.box.br().y) <= std::max(1.0, 0.1 * higher) && lower >= 0.55 * higher &&
+         gap >= -0.2 * higher && gap <= kWidestGap * higher &&
          std::abs(a.stroke - b.stroke) <= std::max(2.0, 0.5 * std::max(a.stroke, b.stroke));
 }
 

@@ -79,7 +79,7 @@ TEST(Captions, TextInThePictureIsFound) {
   }
 }
 
-// The one digit of "5 µm" is as high as its last letter, whose top it has: µ reaches below the line.
+// Between the digit and the m of "5 µm" lies µ, which reaches below the line.
 TEST(Captions, ASingleDigitBesideABarIsFound) {
   Image image = gray_micrograph(420, 300);
   Coverage text(420, 300);
