@@ -1,5 +1,5 @@
 #version 450 core
-// Mirrors nodes/render_volume/march.cpp step for step, so that both make the same picture. One invocation per pixel.
+// Mirrors nodes/volumes/render_volume/march.cpp step for step, so that both make the same picture. One invocation per pixel.
 
 const int kTissues = 16;
 const int kScales = 3;
