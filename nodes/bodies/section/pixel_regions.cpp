@@ -21,11 +21,56 @@ struct Sums {
 
 int short_way(int d, int n) { return d > n / 2 ? d - n : d < -(n / 2) ? d + n : d; }
 
+// Joins neighbors of the same body. `value`: of each pixel, below 0 in the binder.
+DisjointSets join_pixels(const std::int32_t* value, int w, int h, bool tile) {
+  DisjointSets sets(static_cast<std::size_t>(w) * h);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::int32_t at = y * w + x;
+      if (value[at] < 0) continue;
+      const std::int32_t right = y * w + (x + 1) % w, below = (y + 1) % h * w + x;
+      if ((x + 1 < w || tile) && value[right] == value[at]) sets.join(at, right);
+      if ((y + 1 < h || tile) && value[below] == value[at]) sets.join(at, below);
+    }
+  return sets;
+}
+
+// Adds the pixel at dx, dy from the region's first.
+void add_pixel(Sums& s, int dx, int dy, const Eigen::Vector3d& color) {
+  ++s.count;
+  s.x += dx;
+  s.y += dy;
+  s.color += color;
+  s.min_x = std::min(s.min_x, dx);
+  s.max_x = std::max(s.max_x, dx);
+  s.min_y = std::min(s.min_y, dy);
+  s.max_y = std::max(s.max_y, dy);
+}
+
+Profile region_profile(const Sums& s, const SectionLayout& layout) {
+  const int w = layout.pixels_x, h = layout.pixels_y;
+  const double mm_x = layout.width / w, mm_y = layout.height / h;
+  Profile p;
+  p.area = s.count * (mm_x * mm_y);
+  p.centroid = {(s.first_x + s.x / s.count + 0.5) * mm_x, (s.first_y + s.y / s.count + 0.5) * mm_y};
+  if (layout.tile) {
+    p.centroid.x() -= std::floor(p.centroid.x() / layout.width) * layout.width;
+    p.centroid.y() -= std::floor(p.centroid.y() / layout.height) * layout.height;
+  } else {
+    p.touches_border = s.first_x + s.min_x == 0 || s.first_y + s.min_y == 0 || s.first_x + s.max_x == w - 1 ||
+                       s.first_y + s.max_y == h - 1;
+    // A profile with at least one free pixel on either side fits in (w − 1 − its width) positions.
+    const double places_x = w - 1 - (s.max_x - s.min_x + 1), places_y = h - 1 - (s.max_y - s.min_y + 1);
+    p.weight = p.touches_border ? 0 : static_cast<std::size_t>(w) * h / (places_x * places_y);
+  }
+  p.color = (s.color / s.count).cast<float>();
+  return p;
+}
+
 }  // namespace
 
 void PixelRegions::measure(Section& out, const Work& work) const {
   const int w = layout_.pixels_x, h = layout_.pixels_y, sections = layout_.planes.size();
-  const double mm_x = layout_.width / w, mm_y = layout_.height / h, pixel = mm_x * mm_y;
   const std::size_t count = static_cast<std::size_t>(w) * h;
   out.labels.width = w;
   out.labels.height = h;
@@ -43,15 +88,7 @@ void PixelRegions::measure(Section& out, const Work& work) const {
   for (int section = 0; section < sections; ++section) {
     work.check();
     const std::int32_t* value = values_.data() + section * count;
-    DisjointSets sets(count);
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::int32_t at = y * w + x;
-        if (value[at] < 0) continue;
-        const std::int32_t right = y * w + (x + 1) % w, below = (y + 1) % h * w + x;
-        if ((x + 1 < w || layout_.tile) && value[right] == value[at]) sets.join(at, right);
-        if ((y + 1 < h || layout_.tile) && value[below] == value[at]) sets.join(at, below);
-      }
+    DisjointSets sets = join_pixels(value, w, h, layout_.tile);
     std::vector<std::int32_t> index(count, -1);
     std::vector<Sums> regions;
     for (std::size_t at = 0; at < count; ++at) {
@@ -72,39 +109,18 @@ void PixelRegions::measure(Section& out, const Work& work) const {
         regions.push_back(s);
       }
       Sums& s = regions[index[root]];
-      const int dx = layout_.tile ? short_way(x - s.first_x, w) : x - s.first_x;
-      const int dy = layout_.tile ? short_way(y - s.first_y, h) : y - s.first_y;
-      ++s.count;
-      s.x += dx;
-      s.y += dy;
-      s.color += color;
+      add_pixel(s, layout_.tile ? short_way(x - s.first_x, w) : x - s.first_x,
+                layout_.tile ? short_way(y - s.first_y, h) : y - s.first_y, color);
       ++inside;
-      s.min_x = std::min(s.min_x, dx);
-      s.max_x = std::max(s.max_x, dx);
-      s.min_y = std::min(s.min_y, dy);
-      s.max_y = std::max(s.max_y, dy);
       out.labels.ids[section * count + at] =
           static_cast<std::int32_t>(profiles.profiles.size()) + index[root] + 1;
     }
     for (const Sums& s : regions) {
-      Profile p;
+      Profile p = region_profile(s, layout_);
       p.section = section;
-      p.area = s.count * pixel;
-      p.centroid = {(s.first_x + s.x / s.count + 0.5) * mm_x, (s.first_y + s.y / s.count + 0.5) * mm_y};
-      if (layout_.tile) {
-        p.centroid.x() -= std::floor(p.centroid.x() / layout_.width) * layout_.width;
-        p.centroid.y() -= std::floor(p.centroid.y() / layout_.height) * layout_.height;
-      } else {
-        p.touches_border = s.first_x + s.min_x == 0 || s.first_y + s.min_y == 0 ||
-                           s.first_x + s.max_x == w - 1 || s.first_y + s.max_y == h - 1;
-        // A profile with at least one free pixel on either side fits in (w − 1 − its width) positions.
-        const double places_x = w - 1 - (s.max_x - s.min_x + 1), places_y = h - 1 - (s.max_y - s.min_y + 1);
-        p.weight = p.touches_border ? 0 : count / (places_x * places_y);
-      }
-      p.color = (s.color / s.count).cast<float>();
       out.labels.classes.push_back(0);
       out.table.rows.push_back({double(section), double(s.id), 0.0, p.area, p.weight});
-      profiles.profiles.push_back(p);
+      profiles.profiles.push_back(std::move(p));
     }
   }
   profiles.area_fraction = inside / (inside + outside);

@@ -31,19 +31,26 @@ struct Shell {
   float count = 0;
 };
 
-}  // namespace
+using DirectionWeights = std::array<float, kTowards>;
 
-void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& work) {
-  const std::size_t n = size;
-  const std::array<Vec3f, kTowards> towards = directions();
-  const auto frequency = [&](std::size_t i) {
+// The frequencies of a cube, in shells and directions.
+struct Spectrum {
+  std::size_t n;
+  std::size_t shells;
+  std::array<Vec3f, kTowards> towards = directions();
+
+  explicit Spectrum(int size)
+      : n(size), shells(static_cast<std::size_t>(std::sqrt(3.0) * size / 2 / kShell) + 2) {}
+
+  float frequency(std::size_t i) const {
     return i <= n / 2 ? static_cast<float>(i) : static_cast<float>(i) - n;
-  };
-  const auto shells = static_cast<std::size_t>(std::sqrt(3.0) * size / 2 / kShell) + 2;
+  }
+
   // Calls use(element, shell below, share of the shell above, weights of the directions) for each frequency
-  // of a plane but the origin.
-  const auto each = [&](std::size_t z, auto&& use) {
-    std::array<float, kTowards> weight;
+  // of plane z but the origin.
+  template <class Use>
+  void each(std::size_t z, Use&& use) const {
+    DirectionWeights weight;
     for (std::size_t y = 0; y < n; ++y)
       for (std::size_t x = 0; x < n; ++x) {
         const Vec3f f(frequency(x), frequency(y), frequency(z));
@@ -64,14 +71,18 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
         const auto low = std::min(static_cast<std::size_t>(at), shells - 2);
         use((z * n + y) * n + x, low, at - low, weight);
       }
-  };
+  }
+};
+
+std::vector<Shell> sum_shells(const std::vector<LaneComplex>& data, const Spectrum& spectrum,
+                              const Work& work) {
   // Each plane has sums of its own, so that any number of threads adds in the same order.
-  std::vector<std::vector<Shell>> planes(n);
-  work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+  std::vector<std::vector<Shell>> planes(spectrum.n);
+  work.parallel(spectrum.n, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t z = begin; z < end; ++z) {
       auto& sums = planes[z];
-      sums.assign(shells, {});
-      each(z, [&](std::size_t i, std::size_t low, float t, const std::array<float, kTowards>& weight) {
+      sums.assign(spectrum.shells, {});
+      spectrum.each(z, [&](std::size_t i, std::size_t low, float t, const DirectionWeights& weight) {
         Shell& s = sums[low + (t >= 0.5f ? 1 : 0)];
         const Lane power = data[i].re * data[i].re + data[i].im * data[i].im;
         s.all += power;
@@ -83,9 +94,9 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
       });
     }
   });
-  std::vector<Shell> sums(shells);
+  std::vector<Shell> sums(spectrum.shells);
   for (const auto& plane : planes)
-    for (std::size_t r = 0; r < shells; ++r) {
+    for (std::size_t r = 0; r < sums.size(); ++r) {
       sums[r].all += plane[r].all;
       sums[r].count += plane[r].count;
       for (std::size_t k = 0; k < kTowards; ++k) {
@@ -93,20 +104,31 @@ void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& w
         sums[r].weight[k] += plane[r].weight[k];
       }
     }
-  std::vector<std::array<Lane, kTowards>> gain(shells);
-  for (std::size_t r = 0; r < shells; ++r)
-    for (std::size_t k = 0; k < kTowards; ++k)
-      for (int c = 0; c < 4; ++c) {
-        const Shell& s = sums[r];
-        const float mean = s.count > 0 ? s.all[c] / s.count : 0;
-        gain[r][k][c] =
-            s.weight[k] > 1 && s.power[k][c] > 0 && mean > 0
-                ? std::clamp(std::sqrt(mean * s.weight[k] / s.power[k][c]), kLeastFactor, kMostFactor)
-                : 1.0f;
-      }
-  work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+  return sums;
+}
+
+// The factor toward each direction that gives it the mean power of the shell.
+std::array<Lane, kTowards> gains_of(const Shell& s) {
+  std::array<Lane, kTowards> gain;
+  for (std::size_t k = 0; k < kTowards; ++k)
+    for (int c = 0; c < 4; ++c) {
+      const float mean = s.count > 0 ? s.all[c] / s.count : 0;
+      gain[k][c] = s.weight[k] > 1 && s.power[k][c] > 0 && mean > 0
+                       ? std::clamp(std::sqrt(mean * s.weight[k] / s.power[k][c]), kLeastFactor, kMostFactor)
+                       : 1.0f;
+    }
+  return gain;
+}
+
+}  // namespace
+
+void equalize_directions(std::vector<LaneComplex>& data, int size, const Work& work) {
+  const Spectrum spectrum(size);
+  std::vector<std::array<Lane, kTowards>> gain;
+  for (const Shell& s : sum_shells(data, spectrum, work.quiet())) gain.push_back(gains_of(s));
+  work.quiet().parallel(spectrum.n, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t z = begin; z < end; ++z)
-      each(z, [&](std::size_t i, std::size_t low, float t, const std::array<float, kTowards>& weight) {
+      spectrum.each(z, [&](std::size_t i, std::size_t low, float t, const DirectionWeights& weight) {
         Lane sum{};
         float all = 0;
         for (std::size_t k = 0; k < kTowards; ++k) {

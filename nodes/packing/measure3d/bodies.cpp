@@ -101,46 +101,42 @@ struct LabelSums {
   bool cut = false;
 };
 
-}  // namespace
-
-std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, const Work& work) {
-  const Vec3i& n = raster.box.size;
-  const Vec3& spacing = raster.box.spacing;
-  const Vec3 edge = n.cast<double>().cwiseProduct(spacing);
-  constexpr std::int32_t kMost = 100'000'000;
-  std::int32_t last = -1;
-  for (const std::int32_t id : raster.ids) last = std::max(last, id);
-  if (last >= kMost)
-    throw Error("too-many-labels",
-                fmt::format("the volume contains the label {}; at most {} is supported", last, kMost - 1),
-                "renumber the labels");
-  std::vector<std::int32_t> slot(static_cast<std::size_t>(last) + 1, -1);
-  for (const std::int32_t id : raster.ids)
-    if (id >= 0) slot[id] = 0;
+// The labels that occur, in order, and where each stands among them.
+struct LabelSlots {
   std::vector<std::int32_t> labels;
-  for (std::size_t id = 0; id < slot.size(); ++id)
-    if (slot[id] == 0) {
-      slot[id] = labels.size();
-      labels.push_back(static_cast<std::int32_t>(id));
-    }
-  std::vector<LabelSums> sums(labels.size());
+  std::vector<std::int32_t> slot;  // by label, −1 if it does not occur
+
+  explicit LabelSlots(const std::vector<std::int32_t>& ids) {
+    constexpr std::int32_t kMost = 100'000'000;
+    std::int32_t last = -1;
+    for (const std::int32_t id : ids) last = std::max(last, id);
+    if (last >= kMost)
+      throw Error("too-many-labels",
+                  fmt::format("the volume contains the label {}; at most {} is supported", last, kMost - 1),
+                  "renumber the labels");
+    slot.assign(static_cast<std::size_t>(last) + 1, -1);
+    for (const std::int32_t id : ids)
+      if (id >= 0) slot[id] = 0;
+    for (std::size_t id = 0; id < slot.size(); ++id)
+      if (slot[id] == 0) {
+        slot[id] = labels.size();
+        labels.push_back(static_cast<std::int32_t>(id));
+      }
+  }
+};
+
+// Finds a point near the center of each body, and whether it is cut.
+template <class Visit>
+void find_near_points(std::vector<LabelSums>& sums, const Raster& raster, const Vec3& edge, Visit&& visit) {
+  const Vec3i& n = raster.box.size;
   // A mean direction on a circle for each axis gives a point near the center of a body that wraps.
   std::vector<double> cosine[3], sine[3];
   for (int a = 0; a < 3; ++a)
     for (int i = 0; i < n[a]; ++i) {
       const double angle = 2 * M_PI * (i + 0.5) / n[a];
-      cosine[a].push_back(std::cos(angle)), sine[a].push_back(std::sin(angle));
+      cosine[a].push_back(std::cos(angle));
+      sine[a].push_back(std::sin(angle));
     }
-  const auto visit = [&](auto&& body) {
-    std::size_t at = 0;
-    for (int z = 0; z < n.z(); ++z) {
-      work.check();
-      for (int y = 0; y < n.y(); ++y)
-        for (int x = 0; x < n.x(); ++x, ++at)
-          if (const std::int32_t id = raster.ids[at]; id >= 0)
-            body(sums[slot[static_cast<std::size_t>(id)]], Vec3i(x, y, z));
-    }
-  };
   visit([&](LabelSums& s, const Vec3i& v) {
     ++s.voxels;
     for (int a = 0; a < 3; ++a) {
@@ -156,31 +152,56 @@ std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, co
       // A body that fills a circle evenly has no mean direction; any point will do.
       s.near[a] = raster.box.periodic ? (turn - std::floor(turn)) * edge[a] : 0.5 * edge[a];
     }
+}
+
+// Volume, center and axes.
+void set_measures(Body& b, const LabelSums& s, const Raster& raster, const Vec3& edge) {
+  b.cut = s.cut;
+  b.volume = s.voxels * raster.voxel_volume();
+  const Vec3 mean = s.first / s.voxels;
+  b.center = s.near + mean;
+  if (raster.box.periodic) b.center = wrap_point(b.center, edge);
+  b.center += raster.box.corner;
+  Mat3 covariance = s.second / s.voxels - mean * mean.transpose();
+  covariance += (raster.box.spacing.cwiseAbs2() / 12).asDiagonal();  // of the voxels themselves
+  set_axes(b, covariance);
+}
+
+}  // namespace
+
+std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, const Work& work) {
+  const Vec3i& n = raster.box.size;
+  const Vec3& spacing = raster.box.spacing;
+  const Vec3 edge = n.cast<double>().cwiseProduct(spacing);
+  const LabelSlots known(raster.ids);
+  std::vector<LabelSums> sums(known.labels.size());
+  const auto visit = [&](auto&& body) {
+    std::size_t at = 0;
+    for (int z = 0; z < n.z(); ++z) {
+      work.check();
+      for (int y = 0; y < n.y(); ++y)
+        for (int x = 0; x < n.x(); ++x, ++at)
+          if (const std::int32_t id = raster.ids[at]; id >= 0)
+            body(sums[known.slot[static_cast<std::size_t>(id)]], Vec3i(x, y, z));
+    }
+  };
+  find_near_points(sums, raster, edge, visit);
   visit([&](LabelSums& s, const Vec3i& v) {
     Vec3 d = (v.cast<double>() + Vec3::Constant(0.5)).cwiseProduct(spacing) - s.near;
     if (raster.box.periodic) d = nearest_image(d, edge);
     s.first += d;
     s.second += d * d.transpose();
   });
-  std::vector<Body> out(labels.size());
-  for (std::size_t k = 0; k < labels.size(); ++k) {
-    const LabelSums& s = sums[k];
+  std::vector<Body> out(sums.size());
+  for (std::size_t k = 0; k < sums.size(); ++k) {
     Body& b = out[k];
-    const std::size_t p = labels[k];
-    b.index = labels[k];
-    b.cut = s.cut;
-    b.volume = s.voxels * raster.voxel_volume();
+    b.index = known.labels[k];
     if (particles) {
+      const std::size_t p = known.labels[k];
       b.cls = particles->cls[p];
       b.is_void = particles->is_void(p);
     }
-    const Vec3 mean = s.first / s.voxels;
-    b.center = s.near + mean;
-    if (raster.box.periodic) b.center = wrap_point(b.center, edge);
-    b.center += raster.box.corner;
-    Mat3 covariance = s.second / s.voxels - mean * mean.transpose();
-    covariance += (spacing.cwiseAbs2() / 12).asDiagonal();  // of the voxels themselves
-    set_axes(b, covariance);
+    set_measures(b, sums[k], raster, edge);
   }
   return out;
 }

@@ -52,6 +52,54 @@ std::vector<Level> make_levels(const Vec3& box, const std::vector<Vec3>& positio
   return levels;
 }
 
+// A cell along one axis, and the period that it lies in. Most cells are inside the box and need no division.
+struct WrappedCell {
+  int at = 0, image = 0;
+  WrappedCell(int c, int n) {
+    image = c >= 0 && c < n ? 0 : c >= 0 ? c / n : -((n - 1 - c) / n);
+    at = c - image * n;
+  }
+};
+
+// Calls use(cell, period) for all cells of a grid that reach closer to p than `far`.
+template <class Use>
+void each_cell_near(const Vec3& box, const Vec3i& cells, const Vec3& p, double far, Use&& use) {
+  std::array<int, 3> lo, hi;
+  for (int a = 0; a < 3; ++a) {
+    const double width = box[a] / cells[a];
+    lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
+    hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
+  }
+  std::array<int, 3> image;
+  for (int z = lo[2]; z <= hi[2]; ++z) {
+    const WrappedCell cz(z, cells[2]);
+    image[2] = cz.image;
+    const std::size_t plane = static_cast<std::size_t>(cz.at) * cells[1];
+    for (int y = lo[1]; y <= hi[1]; ++y) {
+      const WrappedCell cy(y, cells[1]);
+      image[1] = cy.image;
+      const std::size_t row = (plane + cy.at) * cells[0];
+      for (int x = lo[0]; x <= hi[0]; ++x) {
+        const WrappedCell cx(x, cells[0]);
+        image[0] = cx.image;
+        use(row + cx.at, image);
+      }
+    }
+  }
+}
+
+Pair pair_of(std::int32_t i, std::int32_t j, const std::array<int, 3>& image) {
+  Pair pair{i,
+            j,
+            {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
+             static_cast<std::int8_t>(image[2])}};
+  if (j < i) {
+    std::swap(pair.a, pair.b);
+    for (auto& v : pair.image) v = -v;
+  }
+  return pair;
+}
+
 }  // namespace
 
 std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
@@ -80,54 +128,18 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
         const Level& level = levels[l];
         if (level.item.empty()) continue;
         const double far = radius[i] + level.largest + reach;
-        const Vec3i& cells = level.grid.cells;
-        std::array<int, 3> lo, hi;
-        for (int a = 0; a < 3; ++a) {
-          const double width = box[a] / cells[a];
-          lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
-          hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
-        }
-        struct Cell {
-          int at = 0, image = 0;
-          Cell(int c, int n) {  // most cells are inside the box and need no division
-            image = c >= 0 && c < n ? 0 : c >= 0 ? c / n : -((n - 1 - c) / n);
-            at = c - image * n;
+        each_cell_near(box, level.grid.cells, p, far, [&](std::size_t f, const std::array<int, 3>& image) {
+          const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
+          for (std::int32_t k = level.begin[f]; k < level.begin[f + 1]; ++k) {
+            const double square = (level.place[k] - from).squaredNorm();
+            if (square >= far * far) continue;
+            const std::int32_t j = level.item[k];
+            if (l == level_of[i] && j <= i) continue;
+            const double sum = radius[i] + radius[j] + reach;
+            if (square >= sum * sum) continue;
+            out.push_back(pair_of(i, j, image));
           }
-        };
-        std::array<int, 3> image;
-        for (int z = lo[2]; z <= hi[2]; ++z) {
-          const Cell cz(z, cells[2]);
-          image[2] = cz.image;
-          const std::size_t plane = static_cast<std::size_t>(cz.at) * cells[1];
-          for (int y = lo[1]; y <= hi[1]; ++y) {
-            const Cell cy(y, cells[1]);
-            image[1] = cy.image;
-            const std::size_t row = (plane + cy.at) * cells[0];
-            for (int x = lo[0]; x <= hi[0]; ++x) {
-              const Cell cx(x, cells[0]);
-              image[0] = cx.image;
-              const std::size_t f = row + cx.at;
-              const Vec3 from = p - Vec3(image[0] * box[0], image[1] * box[1], image[2] * box[2]);
-              for (std::int32_t k = level.begin[f]; k < level.begin[f + 1]; ++k) {
-                const double square = (level.place[k] - from).squaredNorm();
-                if (square >= far * far) continue;
-                const std::int32_t j = level.item[k];
-                if (l == level_of[i] && j <= i) continue;
-                const double sum = radius[i] + radius[j] + reach;
-                if (square >= sum * sum) continue;
-                Pair pair{i,
-                          j,
-                          {static_cast<std::int8_t>(image[0]), static_cast<std::int8_t>(image[1]),
-                           static_cast<std::int8_t>(image[2])}};
-                if (j < i) {
-                  std::swap(pair.a, pair.b);
-                  for (auto& v : pair.image) v = -v;
-                }
-                out.push_back(pair);
-              }
-            }
-          }
-        }
+        });
       }
     }
   });
