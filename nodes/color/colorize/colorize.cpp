@@ -134,6 +134,77 @@ void color_by_fragments(Particles& particles, const Profiles& profiles, std::uin
   });
 }
 
+// Throws if no complete profile has the class of a particle.
+void require_class(int c, bool known) {
+  if (known) return;
+  throw Error("no-class", "no complete profile has the class " + std::to_string(c) + " of a particle",
+              "set mode: random, or use particles and profiles of the same segmentation");
+}
+
+// Gives each particle the color of the profile pick(particle, uniform number).
+template <class Pick>
+void color_by_profiles(Particles& particles, const Source& source, std::uint64_t seed, const Work& work,
+                       Pick&& pick) {
+  work.parallel(particles.count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!particles.is_void(i))
+        particles.color[i] = source.color[pick(i, Random(seed, kProfile, i).uniform())];
+  });
+}
+
+// `own`: among the profiles of the particle's class.
+void color_by_size(Particles& particles, const Source& source, bool own, std::uint64_t seed,
+                   const Work& work) {
+  std::map<int, Group> groups;  // of each class of particles, or of −1
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    const int c = own ? particles.cls[i] : -1;
+    if (particles.is_void(i) || groups.contains(c)) continue;
+    require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
+  }
+  for (auto& [c, group] : groups) group.estimate(source, particles, c, seed, work);
+  color_by_profiles(particles, source, seed, work, [&](std::size_t i, double u) {
+    return groups.at(own ? particles.cls[i] : -1).draw(source, particles.size[i]).pick(u);
+  });
+}
+
+// Draws classes of particles that have none. If profiles have none either, clusters of their colors become
+// classes.
+void draw_classes(Particles& particles, Source& source, int classes, const ColorChoice& choice,
+                  ColorReport& report, const Work& work) {
+  Group all(source, -1);
+  if (classes <= 1) {
+    std::vector<Vec3> lab;
+    for (const auto& c : source.color) lab.push_back(linear_to_oklab(c).cast<double>());
+    ColorClusters found = choice.clusters > 0 ? kmeans(lab, source.weight, choice.clusters, choice.seed, work)
+                                              : kmeans_auto(lab, source.weight, 8, choice.seed, 0.5, work);
+    report.clusters = found.k;
+    report.silhouette = found.silhouette;
+    source.cls = std::move(found.of);
+  }
+  all.estimate(source, particles, -1, choice.seed, work);
+  work.parallel(particles.count(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (!particles.is_void(i))
+        particles.cls[i] =
+            source.cls[all.draw(source, particles.size[i]).pick(Random(choice.seed, kClass, i).uniform())];
+  });
+}
+
+void color_by_class(Particles& particles, const Source& source, std::uint64_t seed, const Work& work) {
+  std::vector<Draw> draws;
+  for (std::size_t i = 0; i < source.count(); ++i) {
+    if (source.cls[i] < 0)
+      throw Error("bad-profile", "a profile has the invalid class " + std::to_string(source.cls[i]));
+    if (draws.size() <= static_cast<std::size_t>(source.cls[i])) draws.resize(source.cls[i] + 1);
+    draws[source.cls[i]].add(i, source.weight[i]);
+  }
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    if (const int c = particles.cls[i]; !particles.is_void(i))
+      require_class(c, c >= 0 && c < static_cast<int>(draws.size()) && !draws[c].empty());
+  color_by_profiles(particles, source, seed, work,
+                    [&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
+}
+
 }  // namespace
 
 ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorChoice& choice,
@@ -147,74 +218,20 @@ ColorReport colorize(Particles& particles, const Profiles& profiles, const Color
       throw Error("bad-particle", "particle " + std::to_string(i) + " has no size");
   bool classed = false;
   for (std::size_t i = 0; i < n; ++i) classed = classed || (particles.cls[i] != 0 && !particles.is_void(i));
-  // Invalid if no complete profile has the class of a particle.
-  const auto require_class = [&](int c, bool known) {
-    if (known) return;
-    throw Error("no-class", "no complete profile has the class " + std::to_string(c) + " of a particle",
-                "set mode: random, or use particles and profiles of the same segmentation");
-  };
 
-  const auto pick_all = [&](auto&& pick) {
-    work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (!particles.is_void(i))
-          particles.color[i] = source.color[pick(i, Random(choice.seed, kProfile, i).uniform())];
-    });
-  };
   if (choice.mode == ColorMode::Random) {
     Draw draw;
     for (std::size_t i = 0; i < source.count(); ++i) draw.add(i, source.weight[i]);
-    pick_all([&](std::size_t, double u) { return draw.pick(u); });
-    color_by_fragments(particles, profiles, choice.seed, report, work);
+    color_by_profiles(particles, source, choice.seed, work,
+                      [&](std::size_t, double u) { return draw.pick(u); });
+  } else if (choice.mode == ColorMode::BySize) {
+    color_by_size(particles, source, classed && profiles.classes > 1, choice.seed, work);
+  } else {
+    if (!classed) draw_classes(particles, source, profiles.classes, choice, report, work);
+    color_by_class(particles, source, choice.seed, work);
     return report;
   }
-  if (choice.mode == ColorMode::BySize) {
-    std::map<int, Group> groups;  // of each class of particles, or of −1
-    const bool own = classed && profiles.classes > 1;
-    for (std::size_t i = 0; i < n; ++i) {
-      const int c = own ? particles.cls[i] : -1;
-      if (particles.is_void(i) || groups.contains(c)) continue;
-      require_class(c, !groups.emplace(c, Group(source, c)).first->second.members.empty());
-    }
-    for (auto& [c, group] : groups) group.estimate(source, particles, c, choice.seed, work);
-    pick_all([&](std::size_t i, double u) {
-      return groups.at(own ? particles.cls[i] : -1).draw(source, particles.size[i]).pick(u);
-    });
-    color_by_fragments(particles, profiles, choice.seed, report, work);
-    return report;
-  }
-
-  if (!classed) {
-    Group all(source, -1);
-    if (profiles.classes <= 1) {
-      std::vector<Vec3> lab;
-      for (const auto& c : source.color) lab.push_back(linear_to_oklab(c).cast<double>());
-      ColorClusters found = choice.clusters > 0
-                                ? kmeans(lab, source.weight, choice.clusters, choice.seed, work)
-                                : kmeans_auto(lab, source.weight, 8, choice.seed, 0.5, work);
-      report.clusters = found.k;
-      report.silhouette = found.silhouette;
-      source.cls = std::move(found.of);
-    }
-    all.estimate(source, particles, -1, choice.seed, work);
-    work.parallel(n, 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (!particles.is_void(i))
-          particles.cls[i] =
-              source.cls[all.draw(source, particles.size[i]).pick(Random(choice.seed, kClass, i).uniform())];
-    });
-  }
-  std::vector<Draw> draws;
-  for (std::size_t i = 0; i < source.count(); ++i) {
-    if (source.cls[i] < 0)
-      throw Error("bad-profile", "a profile has the invalid class " + std::to_string(source.cls[i]));
-    if (draws.size() <= static_cast<std::size_t>(source.cls[i])) draws.resize(source.cls[i] + 1);
-    draws[source.cls[i]].add(i, source.weight[i]);
-  }
-  for (std::size_t i = 0; i < n; ++i)
-    if (const int c = particles.cls[i]; !particles.is_void(i))
-      require_class(c, c >= 0 && c < static_cast<int>(draws.size()) && !draws[c].empty());
-  pick_all([&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
+  color_by_fragments(particles, profiles, choice.seed, report, work);
   return report;
 }
 

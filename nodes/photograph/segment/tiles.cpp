@@ -74,35 +74,76 @@ class TileJoiner {
 
   void add(const Tile& t, const Finding& part) {
     if (!part.undecided.empty()) found_.undecided.resize(photo_.pixels.size(), 0);
+    const std::vector<Body> bodies = add_pixels(t, part);
+    const std::vector<std::int32_t> becomes = number(t, part, bodies);
+    each_pixel(t, [&](int, int, std::size_t i, std::size_t to) {
+      const std::int32_t id = becomes[part.result.labels.ids[i]];
+      if (id == 0 || found_.result.labels.ids[to] != 0) return;
+      found_.result.labels.ids[to] = id;
+      found_.coverage[to] = std::max(0.5f, part.coverage[i]);
+    });
+    add_report(t, part.result);
+    if (part.ignored.empty()) return;
+    found_.ignored.resize(photo_.pixels.size(), 0);
+    each_pixel(t, [&](int, int, std::size_t i, std::size_t to) {
+      if (part.ignored[i]) found_.ignored[to] = 1;
+    });
+  }
+
+  // Completes the labels. Tiles were added section by section, so their numbers are in order.
+  void finish() {
+    Labels& labels = found_.result.labels;
+    labels.width = photo_.width;
+    labels.height = photo_.height;
+    labels.sections = photo_.sections;
+    labels.pixel_size = photo_.pixel_size;
+    labels.classes.assign(cut_.size(), 0);
+  }
+
+ private:
+  // A particle of one tile.
+  struct Body {
+    double x = 0, y = 0;
+    std::int64_t pixels = 0;
+    bool cut = false;                               // by the margin's end, not by the picture's
+    std::map<std::int32_t, std::int64_t> occupied;  // pixels by particle of an earlier tile
+  };
+
+  // Calls use(x, y, index in the tile, index in the picture) for each pixel that the tile sees.
+  template <class Use>
+  void each_pixel(const Tile& t, Use&& use) const {
     const int w = t.seen_right - t.seen_left, h = t.seen_bottom - t.seen_top;
-    const std::int32_t count = part.confidence.size();
-    struct Body {
-      double x = 0, y = 0;
-      std::int64_t pixels = 0;
-      bool cut = false;                               // by the margin's end, not by the picture's
-      std::map<std::int32_t, std::int64_t> occupied;  // pixels by particle of an earlier tile
-    };
-    std::vector<Body> bodies(count);
     for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * w + x, to = global(t, x, y);
-        if (x + t.seen_left >= t.left && x + t.seen_left < t.right && y + t.seen_top >= t.top &&
-            y + t.seen_top < t.bottom) {
-          if (found_.result.labels.ids[to] == 0) found_.coverage[to] = std::min(0.499f, part.coverage[i]);
-          if (!part.undecided.empty()) found_.undecided[to] = part.undecided[i];
-        }
-        const std::int32_t id = part.result.labels.ids[i];
-        if (id == 0) continue;
-        Body& b = bodies[id - 1];
-        b.x += x;
-        b.y += y;
-        ++b.pixels;
-        b.cut = b.cut || (x == 0 && t.seen_left > 0) || (y == 0 && t.seen_top > 0) ||
-                (x == w - 1 && t.seen_right < photo_.width) || (y == h - 1 && t.seen_bottom < photo_.height);
-        if (const std::int32_t there = found_.result.labels.ids[to]; there > 0) ++b.occupied[there];
+      for (int x = 0; x < w; ++x) use(x, y, static_cast<std::size_t>(y) * w + x, global(t, x, y));
+  }
+
+  // Copies what is not particles from the core of the tile, and sums its particles.
+  std::vector<Body> add_pixels(const Tile& t, const Finding& part) {
+    const int w = t.seen_right - t.seen_left, h = t.seen_bottom - t.seen_top;
+    std::vector<Body> bodies(part.confidence.size());
+    each_pixel(t, [&](int x, int y, std::size_t i, std::size_t to) {
+      if (x + t.seen_left >= t.left && x + t.seen_left < t.right && y + t.seen_top >= t.top &&
+          y + t.seen_top < t.bottom) {
+        if (found_.result.labels.ids[to] == 0) found_.coverage[to] = std::min(0.499f, part.coverage[i]);
+        if (!part.undecided.empty()) found_.undecided[to] = part.undecided[i];
       }
-    std::vector<std::int32_t> becomes(count + 1, 0);
-    for (std::int32_t k = 0; k < count; ++k) {
+      const std::int32_t id = part.result.labels.ids[i];
+      if (id == 0) return;
+      Body& b = bodies[id - 1];
+      b.x += x;
+      b.y += y;
+      ++b.pixels;
+      b.cut = b.cut || (x == 0 && t.seen_left > 0) || (y == 0 && t.seen_top > 0) ||
+              (x == w - 1 && t.seen_right < photo_.width) || (y == h - 1 && t.seen_bottom < photo_.height);
+      if (const std::int32_t there = found_.result.labels.ids[to]; there > 0) ++b.occupied[there];
+    });
+    return bodies;
+  }
+
+  // The number in the picture of each particle of the tile, counted from 1; 0 if it is left out.
+  std::vector<std::int32_t> number(const Tile& t, const Finding& part, const std::vector<Body>& bodies) {
+    std::vector<std::int32_t> becomes(bodies.size() + 1, 0);
+    for (std::size_t k = 0; k < bodies.size(); ++k) {
       const Body& b = bodies[k];
       if (b.pixels == 0) continue;
       const double x = t.seen_left + b.x / b.pixels, y = t.seen_top + b.y / b.pixels;
@@ -128,16 +169,11 @@ class TileJoiner {
       cut_.push_back(b.cut);
       becomes[k + 1] = cut_.size();
     }
-    for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * w + x, to = global(t, x, y);
-        const std::int32_t id = becomes[part.result.labels.ids[i]];
-        if (id == 0 || found_.result.labels.ids[to] != 0) continue;
-        found_.result.labels.ids[to] = id;
-        found_.coverage[to] = std::max(0.5f, part.coverage[i]);
-      }
+    return becomes;
+  }
+
+  void add_report(const Tile& t, const Segmentation& s) {
     Segmentation& all = found_.result;
-    const Segmentation& s = part.result;
     all.min_area = std::max(all.min_area, s.min_area);
     all.specks += s.specks;
     all.speck_pixels += s.speck_pixels;
@@ -150,25 +186,8 @@ class TileJoiner {
       o.bottom += t.seen_top;
       add_object(o);
     }
-    if (!part.ignored.empty()) {
-      found_.ignored.resize(photo_.pixels.size(), 0);
-      for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x)
-          if (part.ignored[static_cast<std::size_t>(y) * w + x]) found_.ignored[global(t, x, y)] = 1;
-    }
   }
 
-  // Completes the labels. Tiles were added section by section, so their numbers are in order.
-  void finish() {
-    Labels& labels = found_.result.labels;
-    labels.width = photo_.width;
-    labels.height = photo_.height;
-    labels.sections = photo_.sections;
-    labels.pixel_size = photo_.pixel_size;
-    labels.classes.assign(cut_.size(), 0);
-  }
-
- private:
   std::size_t global(const Tile& t, int x, int y) const {
     return photo_.index(t.seen_left + x, t.seen_top + y, t.section);
   }

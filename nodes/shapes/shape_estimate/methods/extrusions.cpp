@@ -50,87 +50,108 @@ class Solid {
   const Vec2& point(int k, int i) const { return polygons_[k][i % size(k)]; }
 
   // The face over edge e of polygon k. Its coordinates are the length along the edge and the height along
-  // axis k + 2. Polygon k + 1 holds (x_k+1, height), polygon k + 2 (height, x_k).
-  bool add_face(int k, int e) {
-    const Vec2 from = point(k, e), edge = point(k, e + 1) - from;
-    const double length = edge.norm();
-    const int k1 = (k + 1) % 3, k2 = (k + 2) % 3, next = (e + 1) % size(k);
-    const auto made = [&](int own, int one, int two) {
+  // axis k + 2. Polygon k1 = k + 1 holds (x_k+1, height), polygon k2 = k + 2 (height, x_k).
+  struct Face {
+    int k, e, next;  // next: the edge's second corner
+    int k1, k2;
+    Vec2 from, edge;
+    double length;
+
+    Made made(int own, int one, int two) const {
       Made m;
       m[k] = own;
       m[k1] = one;
       m[k2] = two;
       return m;
-    };
-    const auto inside1 = [&](const Vec2& p) {
-      return loop_contains(polygons_[k1], {from.y() + p.x() / length * edge.y(), p.y()});
-    };
-    const auto inside2 = [&](const Vec2& p) {
-      return loop_contains(polygons_[k2], {p.y(), from.x() + p.x() / length * edge.x()});
-    };
+    }
+  };
 
-    // Edges of the two other polygons that cross the face, clipped to its ends.
-    std::vector<Piece> ones, twos;
-    const auto gather = [&](int other, bool first, std::vector<Piece>& out) {
-      const double start = first ? from.y() : from.x(), run = first ? edge.y() : edge.x();
-      const double low = std::min(start, start + run), high = std::max(start, start + run);
-      for (int f = 0; f < size(other); ++f) {
-        const Vec2 p = point(other, f), q = point(other, f + 1);
-        const double wp = first ? p.x() : p.y(), wq = first ? q.x() : q.y();
-        const double hp = first ? p.y() : p.x(), hq = first ? q.y() : q.x();
-        if (std::max(wp, wq) <= low || std::min(wp, wq) >= high) continue;
-        const auto corner = [&](double w, double h, int vertex) {
-          const auto own = [&](int face, int what) {
-            return first ? made(face, what, kNone) : made(face, kNone, what);
-          };
-          if (w <= low || w >= high) {
-            const double end = w <= low ? low : high;
-            const double t = (end - wp) / (wq - wp);
-            const bool at_start = (end == low) == (run > 0);
-            return Corner{own(-1 - (at_start ? e : next), f),
-                          Vec2(at_start ? 0 : length, hp + t * (hq - hp))};
-          }
-          return Corner{own(e, -1 - vertex), Vec2((w - start) / run * length, h)};
+  // Edges of another polygon that cross a face.
+  struct Crossing {
+    std::vector<Piece> pieces;                                 // clipped to the face's ends
+    std::vector<int> edges;                                    // of each piece
+    std::vector<std::vector<std::pair<double, Corner>>> cuts;  // of each piece, at edges of the third polygon
+  };
+
+  bool add_face(int k, int e) {
+    const Vec2 from = point(k, e), edge = point(k, e + 1) - from;
+    const Face face{k, e, (e + 1) % size(k), (k + 1) % 3, (k + 2) % 3, from, edge, edge.norm()};
+    Crossing ones = crossing(face, true), twos = crossing(face, false);
+    cut(face, ones, twos);
+    pieces_.clear();
+    for (std::size_t i = 0; i < ones.pieces.size(); ++i)
+      keep_inside(face, false, ones.pieces[i], ones.cuts[i]);
+    for (std::size_t j = 0; j < twos.pieces.size(); ++j)
+      keep_inside(face, true, twos.pieces[j], twos.cuts[j]);
+    for (const bool first : {true, false})
+      add_end(k, first ? e : face.next, first ? 0 : face.length, first ? from : from + edge);
+    return close(k, e, face.length);
+  }
+
+  // Of polygon k1 if `first`, or else of polygon k2.
+  Crossing crossing(const Face& face, bool first) const {
+    const int other = first ? face.k1 : face.k2;
+    const double start = first ? face.from.y() : face.from.x(), run = first ? face.edge.y() : face.edge.x();
+    const double low = std::min(start, start + run), high = std::max(start, start + run);
+    Crossing out;
+    for (int f = 0; f < size(other); ++f) {
+      const Vec2 p = point(other, f), q = point(other, f + 1);
+      const double wp = first ? p.x() : p.y(), wq = first ? q.x() : q.y();
+      const double hp = first ? p.y() : p.x(), hq = first ? q.y() : q.x();
+      if (std::max(wp, wq) <= low || std::min(wp, wq) >= high) continue;
+      const auto corner = [&](double w, double h, int vertex) {
+        const auto own = [&](int of, int what) {
+          return first ? face.made(of, what, kNone) : face.made(of, kNone, what);
         };
-        out.push_back({corner(wp, hp, f), corner(wq, hq, (f + 1) % size(other))});
-        index_.push_back(f);
-      }
-    };
-    index_.clear();
-    gather(k1, true, ones);
-    const std::vector<int> edge1 = index_;
-    index_.clear();
-    gather(k2, false, twos);
-    const std::vector<int> edge2 = index_;
+        if (w <= low || w >= high) {
+          const double end = w <= low ? low : high;
+          const double t = (end - wp) / (wq - wp);
+          const bool at_start = (end == low) == (run > 0);
+          return Corner{own(-1 - (at_start ? face.e : face.next), f),
+                        Vec2(at_start ? 0 : face.length, hp + t * (hq - hp))};
+        }
+        return Corner{own(face.e, -1 - vertex), Vec2((w - start) / run * face.length, h)};
+      };
+      out.pieces.push_back({corner(wp, hp, f), corner(wq, hq, (f + 1) % size(other))});
+      out.edges.push_back(f);
+    }
+    out.cuts.resize(out.pieces.size());
+    return out;
+  }
 
-    // Intersections between the edges of the two polygons.
-    std::vector<std::vector<std::pair<double, Corner>>> cut1(ones.size()), cut2(twos.size());
-    for (std::size_t i = 0; i < ones.size(); ++i)
-      for (std::size_t j = 0; j < twos.size(); ++j) {
-        const Vec2 a = ones[i].a.at, b = ones[i].b.at, c = twos[j].a.at, d = twos[j].b.at;
+  // Intersections between the edges of the two polygons.
+  static void cut(const Face& face, Crossing& ones, Crossing& twos) {
+    for (std::size_t i = 0; i < ones.pieces.size(); ++i)
+      for (std::size_t j = 0; j < twos.pieces.size(); ++j) {
+        const Vec2 a = ones.pieces[i].a.at, b = ones.pieces[i].b.at;
+        const Vec2 c = twos.pieces[j].a.at, d = twos.pieces[j].b.at;
         const double ca = cross(d - c, a - c), cb = cross(d - c, b - c), ac = cross(b - a, c - a),
                      ad = cross(b - a, d - a);
         if ((ca > 0) == (cb > 0) || (ac > 0) == (ad > 0)) continue;
         const double t = ca / (ca - cb);
-        const Corner x{made(e, edge1[i], edge2[j]), a + t * (b - a)};
-        cut1[i].emplace_back(t, x);
-        cut2[j].emplace_back(ac / (ac - ad), x);
+        const Corner x{face.made(face.e, ones.edges[i], twos.edges[j]), a + t * (b - a)};
+        ones.cuts[i].emplace_back(t, x);
+        twos.cuts[j].emplace_back(ac / (ac - ad), x);
       }
-    pieces_.clear();
-    const auto keep = [&](const Piece& whole, std::vector<std::pair<double, Corner>>& cuts, auto&& inside) {
-      std::sort(cuts.begin(), cuts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-      Corner last = whole.a;
-      for (std::size_t c = 0; c <= cuts.size(); ++c) {
-        const Corner& end = c < cuts.size() ? cuts[c].second : whole.b;
-        if (inside((last.at + end.at) / 2)) pieces_.push_back({last, end});
-        last = end;
-      }
-    };
-    for (std::size_t i = 0; i < ones.size(); ++i) keep(ones[i], cut1[i], inside2);
-    for (std::size_t j = 0; j < twos.size(); ++j) keep(twos[j], cut2[j], inside1);
-    for (const bool first : {true, false})
-      add_end(k, first ? e : next, first ? 0 : length, first ? from : from + edge);
-    return close(k, e, length);
+  }
+
+  // Whether a point of the face is inside polygon k1 if `first`, or else inside k2.
+  bool inside(const Face& face, bool first, const Vec2& p) const {
+    const double share = p.x() / face.length;
+    return first ? loop_contains(polygons_[face.k1], {face.from.y() + share * face.edge.y(), p.y()})
+                 : loop_contains(polygons_[face.k2], {p.y(), face.from.x() + share * face.edge.x()});
+  }
+
+  // Keeps the parts of a piece, between its cuts, that are inside polygon k1 or k2.
+  void keep_inside(const Face& face, bool first, const Piece& whole,
+                   std::vector<std::pair<double, Corner>>& cuts) {
+    std::sort(cuts.begin(), cuts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    Corner last = whole.a;
+    for (std::size_t c = 0; c <= cuts.size(); ++c) {
+      const Corner& end = c < cuts.size() ? cuts[c].second : whole.b;
+      if (inside(face, first, (last.at + end.at) / 2)) pieces_.push_back({last, end});
+      last = end;
+    }
   }
 
   // The line over a corner: the intervals inside both other polygons.
@@ -245,7 +266,6 @@ class Solid {
   }
 
   const std::array<Polygon, 3>& polygons_;
-  std::vector<int> index_;
   std::vector<Piece> pieces_;
   std::map<Made, std::int32_t> vertices_;
   Mesh mesh_;
