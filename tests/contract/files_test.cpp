@@ -7,6 +7,7 @@
 #include <climits>
 #include <fstream>
 #include <map>
+#include <regex>
 #include <set>
 
 #include "graph/graph.h"
@@ -240,6 +241,16 @@ TEST_F(NiftiPair, BothHalvesAreInTheKey) {
       write();
       EXPECT_NE(evaluate(g, store, folder / "out").nodes[0].outputs, second.nodes[0].outputs);
     }
+}
+
+// ./dev new-node writes the template's example into a folder of a district.
+TEST(FilesOfNodes, TheTemplateFindsItsPicture) {
+  const fs::path source = TERRAZZO_SOURCE;
+  const std::string example = read_file(source / "nodes/template/example.yaml.in").value_or("");
+  const std::regex path("path: ([^},]+)");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(example, match, path));
+  EXPECT_TRUE(fs::exists(source / "nodes/photograph/grain" / match[1].str())) << match[1];
 }
 
 }  // namespace
