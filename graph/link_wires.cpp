@@ -46,6 +46,23 @@ void Linker::rename_former_ports(Scope& scope) {
   for (auto& [name, ref] : scope.doc.outputs) rename_former_port(scope, ref, false);
 }
 
+void Linker::report_unknown_node(const Scope& scope, const std::string& name, const Place& at) {
+  const auto of = scope.lists.find(written_node(name));
+  if (of == scope.lists.end())
+    fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, scope.names)), at);
+  else
+    fail("unknown-node",
+         fmt::format("'{}' has no element '{}'{}", of->first, name, did_you_mean(name, of->second)), at,
+         fmt::format("its {} elements are {} to {}", of->second.size(), of->second.front(),
+                     of->second.back()));
+}
+
+void Linker::report_unknown_output(const std::string& of, const std::string& port,
+                                   const std::vector<std::string>& names, const Place& at) {
+  fail("unknown-port", fmt::format("{} has no output '{}'{}", of, port, did_you_mean(port, names)), at,
+       names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+}
+
 std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int depth) {
   const auto dot = find_port_dot(ref.text);
   std::string name = ref.text.substr(0, dot);
@@ -55,16 +72,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
   const std::string path = scope.prefix + name;
   if (unknown_.count(path) || unknown_.count(scope.prefix + written_node(name))) return {};
   if (named == scope.nodes.end() && list == scope.lists.end()) {
-    const auto of = scope.lists.find(written_node(name));
-    if (of == scope.lists.end())
-      fail("unknown-node", fmt::format("there is no node '{}'{}", name, did_you_mean(name, scope.names)),
-           ref.place);
-    else
-      fail("unknown-node",
-           fmt::format("'{}' has no element '{}'{}", of->first, name, did_you_mean(name, of->second)),
-           ref.place,
-           fmt::format("its {} elements are {} to {}", of->second.size(), of->second.front(),
-                       of->second.back()));
+    report_unknown_node(scope, name, ref.place);
     return {};
   }
   if (depth > 4 * max_nesting) {
@@ -102,9 +110,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
         return resolve(*it->second, target, depth + 1);
       names.push_back(output);
     }
-    fail("unknown-port",
-         fmt::format("graph '{}' has no output '{}'{}", raw->graph, port, did_you_mean(port, names)),
-         ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+    report_unknown_output(fmt::format("graph '{}'", raw->graph), port, names, ref.place);
     return {};
   }
   const int node = find(path);
@@ -114,9 +120,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
   if (type.find_output(port)) return {{node, port, ref.place}};
   std::vector<std::string> names;
   for (const auto& p : type.outputs) names.push_back(p.name);
-  fail("unknown-port",
-       fmt::format("{} '{}' has no output '{}'{}", type.name, name, port, did_you_mean(port, names)),
-       ref.place, names.empty() ? "it has no outputs" : fmt::format("it has {}", fmt::join(names, ", ")));
+  report_unknown_output(fmt::format("{} '{}'", type.name, name), port, names, ref.place);
   return {};
 }
 

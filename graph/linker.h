@@ -45,6 +45,12 @@ struct Scope {
   }
 };
 
+// One name of `each` with its values.
+struct Variable {
+  std::string name;
+  std::vector<Given> values;
+};
+
 class Linker {
  public:
   Linker(const Registry& registry, const Overrides& overrides, Diagnostics& found)
@@ -94,6 +100,16 @@ class Linker {
   void repeat_nodes(Scope&);
   // The values of one name of `each`. Reports what is wrong with them and returns none.
   std::vector<Given> read_values(const Scope&, const RawNode&, const std::string& name, const RawValue&);
+  // All names of `each`, and the number of their combinations. Empty if they cannot be used.
+  std::vector<Variable> read_variables(const Scope&, const RawNode&, std::uint64_t& count);
+  // Counts the elements of a repeated node. False if the graph gets too large.
+  bool take_repeated(const Scope&, const RawNode&, std::uint64_t count);
+  // The element with value at[k] of variable k.
+  RawNode make_element(Scope&, const RawNode&, const std::vector<Variable>&,
+                       const std::vector<std::size_t>& at);
+  // Reports what is wrong with a repeated node, which then counts as unknown.
+  void refuse_repeated(const std::string& path, std::string code, std::string message, Place at,
+                       std::string hint = {});
   std::optional<std::string> substitute_values(const Element&, const RawReference&);
   // Keeps one of equal messages about elements of a node, and only the first few that differ.
   void drop_repeated_messages();
@@ -126,6 +142,10 @@ class Linker {
   // Follows a reference through subgraphs to the nodes that produce the values: one, or several if it leads
   // to a repeated node. Reports each error once, at the reference, and then returns none.
   std::vector<Wire> resolve(Scope& scope, const RawReference& ref, int depth = 0);
+  void report_unknown_node(const Scope&, const std::string& name, const Place&);
+  // `of`: the node or graph, which has the outputs `names`.
+  void report_unknown_output(const std::string& of, const std::string& port,
+                             const std::vector<std::string>& names, const Place&);
 
   void connect(Scope& scope, const RawNode& raw);
 

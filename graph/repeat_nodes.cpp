@@ -10,12 +10,6 @@
 namespace terrazzo {
 namespace {
 
-// One name of `each` with its values.
-struct Variable {
-  std::string name;
-  std::vector<Given> values;
-};
-
 // All combinations of the values, the last name fastest.
 template <class Use>
 void each_element(const std::vector<Variable>& variables, std::size_t count, Use&& use) {
@@ -66,6 +60,87 @@ std::vector<Given> Linker::read_values(const Scope& scope, const RawNode& raw, c
   return out;
 }
 
+void Linker::refuse_repeated(const std::string& path, std::string code, std::string message, Place at,
+                             std::string hint) {
+  too_large_ = too_large_ || code == "too-large";
+  fail(std::move(code), std::move(message), std::move(at), std::move(hint), path);
+  unknown_.insert(path);
+}
+
+std::vector<Variable> Linker::read_variables(const Scope& scope, const RawNode& raw, std::uint64_t& count) {
+  const std::string path = scope.prefix + raw.name;
+  std::vector<Variable> variables;
+  count = 1;
+  for (const auto& [name, value] : raw.each) {
+    if (!is_variable_name(name))
+      refuse_repeated(path, "bad-name", fmt::format("'{}' is not a valid name for values", name), value.place,
+                      "use letters, digits and _");
+    else if (scope.parameters.count(name))
+      refuse_repeated(path, "duplicate-key", fmt::format("'{}' is also a parameter of the graph", name),
+                      value.place, "choose another name");
+    variables.push_back({name, read_values(scope, raw, name, value)});
+    count *= variables.back().values.size();
+    if (count == 0) unknown_.insert(path);
+    if (count > max_expanded_nodes) {
+      refuse_repeated(path, "too-large",
+                      fmt::format("'{}' has more than {} elements", raw.name, max_expanded_nodes),
+                      value.place);
+      break;
+    }
+  }
+  if (unknown_.count(path)) return {};
+  return variables;
+}
+
+bool Linker::take_repeated(const Scope& scope, const RawNode& raw, std::uint64_t count) {
+  const std::string path = scope.prefix + raw.name;
+  // files_ counted the node once.
+  const Expansion one = files_->expansion(scope.doc, raw);
+  expanded_ += (count - 1) * one.nodes;
+  bytes_ += (count - 1) * one.bytes;
+  const Place& place = raw.each.front().second.place;
+  if (expanded_ > max_expanded_nodes) {
+    refuse_repeated(
+        path, "too-large",
+        fmt::format("the graph expands to {} nodes, {} of them in the {} elements of '{}'; the limit is {}",
+                    expanded_, count * one.nodes, count, raw.name, max_expanded_nodes),
+        place, "use fewer values, or split the graph into several");
+    return false;
+  }
+  if (bytes_ > max_expanded_bytes) {
+    refuse_repeated(path, "too-large", too_much_text(bytes_), place, "use fewer values, or shorter lists");
+    return false;
+  }
+  return true;
+}
+
+RawNode Linker::make_element(Scope& scope, const RawNode& raw, const std::vector<Variable>& variables,
+                             const std::vector<std::size_t>& at) {
+  const std::string path = scope.prefix + raw.name;
+  std::vector<ElementValue> values;
+  Element element{raw.name, {}};
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    const Given& value = variables[k].values[at[k]];
+    values.push_back({value.written.items[0], at[k]});
+    element.values[variables[k].name] = value;
+  }
+  RawNode node = raw;
+  node.each.clear();
+  node.name = element_name(raw.name, values);
+  for (auto& [port, refs] : node.inputs)
+    for (auto& ref : refs) {
+      auto text = substitute_values(element, ref);
+      if (!text) unknown_.insert(path);
+      ref.text = std::move(text).value_or("");
+    }
+  if (scope.nodes.count(node.name))
+    fail("duplicate-key",
+         fmt::format("there is a node '{}' besides the elements of '{}'", node.name, raw.name),
+         scope.nodes.at(node.name)->place, {}, path);
+  scope.elements.emplace(node.name, std::move(element));
+  return node;
+}
+
 void Linker::repeat_nodes(Scope& scope) {
   auto& nodes = scope.doc.nodes;
   if (std::none_of(nodes.begin(), nodes.end(), [](const RawNode& n) { return !n.each.empty(); })) return;
@@ -76,74 +151,15 @@ void Linker::repeat_nodes(Scope& scope) {
       out.push_back(raw);  // a copy, because scope.nodes points to the original
       continue;
     }
-    const std::string path = scope.prefix + raw.name;
-    const auto refuse = [&](std::string code, std::string message, Place at, std::string hint = {}) {
-      too_large_ = too_large_ || code == "too-large";
-      fail(std::move(code), std::move(message), std::move(at), std::move(hint), path);
-      unknown_.insert(path);
-    };
-    std::vector<Variable> variables;
-    std::uint64_t count = 1;
-    for (const auto& [name, value] : raw.each) {
-      if (!is_variable_name(name))
-        refuse("bad-name", fmt::format("'{}' is not a valid name for values", name), value.place,
-               "use letters, digits and _");
-      else if (scope.parameters.count(name))
-        refuse("duplicate-key", fmt::format("'{}' is also a parameter of the graph", name), value.place,
-               "choose another name");
-      variables.push_back({name, read_values(scope, raw, name, value)});
-      count *= variables.back().values.size();
-      if (count == 0) unknown_.insert(path);
-      if (count > max_expanded_nodes) {
-        refuse("too-large", fmt::format("'{}' has more than {} elements", raw.name, max_expanded_nodes),
-               value.place);
-        break;
-      }
-    }
-    if (unknown_.count(path)) continue;
-    // files_ counted the node once.
-    const Expansion one = files_->expansion(scope.doc, raw);
-    expanded_ += (count - 1) * one.nodes;
-    bytes_ += (count - 1) * one.bytes;
-    if (expanded_ > max_expanded_nodes) {
-      refuse(
-          "too-large",
-          fmt::format("the graph expands to {} nodes, {} of them in the {} elements of '{}'; the limit is {}",
-                      expanded_, count * one.nodes, count, raw.name, max_expanded_nodes),
-          raw.each.front().second.place, "use fewer values, or split the graph into several");
-      break;
-    }
-    if (bytes_ > max_expanded_bytes) {
-      refuse("too-large", too_much_text(bytes_), raw.each.front().second.place,
-             "use fewer values, or shorter lists");
-      break;
-    }
+    std::uint64_t count = 0;
+    const std::vector<Variable> variables = read_variables(scope, raw, count);
+    if (variables.empty()) continue;
+    if (!take_repeated(scope, raw, count)) break;
     std::vector<RawNode> elements;
     each_element(variables, count, [&](const std::vector<std::size_t>& at) {
-      std::vector<ElementValue> values;
-      Element element{raw.name, {}};
-      for (std::size_t k = 0; k < variables.size(); ++k) {
-        const Given& value = variables[k].values[at[k]];
-        values.push_back({value.written.items[0], at[k]});
-        element.values[variables[k].name] = value;
-      }
-      RawNode node = raw;
-      node.each.clear();
-      node.name = element_name(raw.name, values);
-      for (auto& [port, refs] : node.inputs)
-        for (auto& ref : refs) {
-          auto text = substitute_values(element, ref);
-          if (!text) unknown_.insert(path);
-          ref.text = std::move(text).value_or("");
-        }
-      if (scope.nodes.count(node.name))
-        fail("duplicate-key",
-             fmt::format("there is a node '{}' besides the elements of '{}'", node.name, raw.name),
-             scope.nodes.at(node.name)->place, {}, path);
-      scope.elements.emplace(node.name, std::move(element));
-      elements.push_back(std::move(node));
+      elements.push_back(make_element(scope, raw, variables, at));
     });
-    if (unknown_.count(path)) continue;
+    if (unknown_.count(scope.prefix + raw.name)) continue;
     auto& names = scope.lists[raw.name];
     for (RawNode& node : elements) {
       names.push_back(node.name);

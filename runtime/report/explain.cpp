@@ -97,6 +97,36 @@ void add_lost_values(const Graph& graph, Store& store, const std::vector<NodeRes
   }
 }
 
+// Plans a node behind nodes that will run. The new content of its inputs is unknown, so everything else is
+// compared.
+void plan_downstream(const GraphNode& node, const std::set<std::string>& running,
+                     const std::optional<HistoryEntry>& before, const std::vector<NodeResult>& results,
+                     FileHashes& hashes, Store& store, Plan::Node& out) {
+  out.step = Step::Perhaps;
+  if (before) {
+    HistoryEntry now = history_entry(node, results, hashes, {});
+    now.inputs = before->inputs;
+    compare(node, *before, now, out.reasons);
+    if (!out.reasons.empty()) out.step = Step::Compute;
+    last_time(out, *before, store);
+  } else {
+    out.step = Step::Compute;
+    out.reasons.push_back("never computed here");
+  }
+  out.reasons.push_back(fmt::format("downstream of {}", fmt::join(running, ", ")));
+}
+
+// Compares the files that a node wrote with its record.
+void compare_files(const ActionRecord& record, const std::filesystem::path& folder, FileHashes& hashes,
+                   std::vector<std::string>& reasons) {
+  for (const auto& f : record.files) {
+    const auto now = hashes.hash(folder / f.path);
+    if (!now || *now != f.content)
+      reasons.push_back(
+          fmt::format("the file '{}' {}", (folder / f.path).string(), now ? "was changed" : "is missing"));
+  }
+}
+
 }  // namespace
 
 Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileHashes& hashes,
@@ -121,19 +151,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
       }
     const auto before = history.find(graph, node);
     if (!running.empty()) {
-      // The new content of the inputs is unknown, so compare everything else.
-      out.step = Step::Perhaps;
-      if (before) {
-        HistoryEntry now = history_entry(node, results, hashes, {});
-        now.inputs = before->inputs;
-        compare(node, *before, now, out.reasons);
-        if (!out.reasons.empty()) out.step = Step::Compute;
-        last_time(out, *before, store);
-      } else {
-        out.step = Step::Compute;
-        out.reasons.push_back("never computed here");
-      }
-      out.reasons.push_back(fmt::format("downstream of {}", fmt::join(running, ", ")));
+      plan_downstream(node, running, before, results, hashes, store, out);
       continue;
     }
     InputFiles files;
@@ -151,12 +169,7 @@ Plan plan_run(const Graph& graph, const RunOptions& options, Store& store, FileH
     if (record && has_outputs_of(*record, *node.type)) {
       out.seconds = record->seconds;
       out.bytes = bytes_of(*record);
-      for (const auto& f : record->files) {
-        const auto now = hashes.hash(options.output_folder / f.path);
-        if (!now || *now != f.content)
-          out.reasons.push_back(fmt::format("the file '{}' {}", (options.output_folder / f.path).string(),
-                                            now ? "was changed" : "is missing"));
-      }
+      compare_files(*record, options.output_folder, hashes, out.reasons);
       if (out.reasons.empty()) {
         results[i].outputs = record->outputs;
         continue;
