@@ -60,19 +60,18 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
     }
 }
 
-}  // namespace
+// A connected part of a particle.
+struct ShownPiece {
+  std::int32_t id = 0;
+  int area = 0, border = 0;
+  double difference = 0;  // sum over the border
+};
 
-Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, double contrast) {
-  const int w = clear.width, h = clear.height;
-  const std::vector<std::int32_t> id = halve(c, w, h);
-  // 4-connected pieces of equal id
-  std::vector<std::int32_t> piece(id.size(), 0);
-  struct Piece {
-    std::int32_t id = 0;
-    int area = 0, border = 0;
-    double difference = 0;
-  };
-  std::vector<Piece> pieces;
+// Finds the 4-connected pieces of equal id. `piece`: the number of each pixel's, from 1; 0 in the binder.
+std::vector<ShownPiece> find_pieces(const std::vector<std::int32_t>& id, int w, int h,
+                                    std::vector<std::int32_t>& piece) {
+  piece.assign(id.size(), 0);
+  std::vector<ShownPiece> pieces;
   std::vector<std::size_t> stack;
   for (std::size_t i = 0; i < id.size(); ++i) {
     if (id[i] == 0 || piece[i] != 0) continue;
@@ -97,6 +96,13 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
       if (y + 1 < h) visit(x, y + 1);
     }
   }
+  return pieces;
+}
+
+// Sums differences of color across the borders of pieces.
+void compare_borders(const Picture& clear, const std::vector<std::int32_t>& piece,
+                     std::vector<ShownPiece>& pieces) {
+  const int w = clear.width, h = clear.height;
   const auto compare = [&](int x, int y, int dx, int dy) {
     const std::size_t p = static_cast<std::size_t>(y) * w + x,
                       q = static_cast<std::size_t>(y + dy) * w + x + dx;
@@ -119,6 +125,16 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
       if (x + 1 < w) compare(x, y, 1, 0);
       if (y + 1 < h) compare(x, y, 0, 1);
     }
+}
+
+}  // namespace
+
+Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, double contrast) {
+  const int w = clear.width, h = clear.height;
+  const std::vector<std::int32_t> id = halve(c, w, h);
+  std::vector<std::int32_t> piece;
+  std::vector<ShownPiece> pieces = find_pieces(id, w, h, piece);
+  compare_borders(clear, piece, pieces);
   std::vector<std::int32_t> largest(c.particles + 1, 0);
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (std::int32_t& best = largest[pieces[k].id]; best == 0 || pieces[k].area > pieces[best - 1].area)
@@ -127,12 +143,13 @@ Visible visible_particles(const Canvas& c, const Picture& clear, int smallest, d
   std::int32_t count = 0;
   for (const auto k : largest) {
     if (k == 0) continue;
-    const Piece& p = pieces[k - 1];
+    const ShownPiece& p = pieces[k - 1];
     if (p.area < smallest || (p.border > 0 && p.difference < contrast * p.border)) continue;
     number[k] = ++count;
   }
   Visible out;
-  out.labels.resize(id.size()), out.unclear.resize(id.size());
+  out.labels.resize(id.size());
+  out.unclear.resize(id.size());
   for (std::size_t i = 0; i < id.size(); ++i) out.labels[i] = number[piece[i]];
   fill_holes(out.labels, w, h);
   for (std::size_t i = 0; i < id.size(); ++i) out.unclear[i] = id[i] > 0 && out.labels[i] == 0;

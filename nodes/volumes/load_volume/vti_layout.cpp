@@ -171,32 +171,20 @@ VtiArrayText array_text(const pugi::xml_node& node) {
   return a;
 }
 
-}  // namespace
-
-VtiLayout vti_layout(const std::string& content, const Reading& reading) {
-  VtiLayout out;
-  // Raw appended data is not XML, so the text ends where it begins.
+// The text of the file. Finds its appended data, which need not be XML, so the text ends where it begins.
+std::string vti_text(const std::string& content, VtiLayout& out) {
   const auto appended = content.find("<AppendedData");
   std::string xml = content.substr(0, appended);
-  if (appended != std::string::npos) {
-    const auto begin = content.find(
-        '_', content.find('>', appended) == std::string::npos ? content.size() : content.find('>', appended));
-    if (begin == std::string::npos) throw bad_vti("its appended data is truncated");
-    out.appended_at = begin + 1;
-    out.raw =
-        content.substr(appended, content.find('>', appended) - appended).find("raw") != std::string::npos;
-    xml += "</VTKFile>";
-  }
-  // Parsed text needs several times its length.
-  require_memory(4.0 * double(xml.size()), reading.memory, "the text of the file");
-  pugi::xml_document document;
-  if (const auto result = document.load_buffer(xml.data(), xml.size()); !result)
-    throw bad_vti(std::string("its XML is damaged: ") + result.description());
-  const auto file = document.child("VTKFile");
-  const std::string type = file.attribute("type").value();
-  if (type != "ImageData")
-    throw Error("not-a-volume", "it contains '" + printable(type) + "' instead of ImageData",
-                "export it as image data");
+  if (appended == std::string::npos) return xml;
+  const auto close = content.find('>', appended);
+  const auto begin = content.find('_', close == std::string::npos ? content.size() : close);
+  if (begin == std::string::npos) throw bad_vti("its appended data is truncated");
+  out.appended_at = begin + 1;
+  out.raw = content.substr(appended, close - appended).find("raw") != std::string::npos;
+  return xml + "</VTKFile>";
+}
+
+void read_encoding(const pugi::xml_node& file, VtiLayout& out) {
   const std::string byte_order = file.attribute("byte_order").as_string("LittleEndian");
   out.big_endian = byte_order == "BigEndian";
   if (!out.big_endian && byte_order != "LittleEndian")
@@ -207,8 +195,9 @@ VtiLayout vti_layout(const std::string& content, const Reading& reading) {
                 "write it with zlib or without compression");
   out.compressed = !compressor.empty();
   out.wide = std::string(file.attribute("header_type").value()) == "UInt64";
-  const auto image = file.child("ImageData");
-  const auto extent = numbers_of<6>(image, "WholeExtent", {});
+}
+
+void read_lattice(const pugi::xml_node& image, const std::array<double, 6>& extent, VtiLayout& out) {
   const auto direction = numbers_of<9>(image, "Direction", {1, 0, 0, 0, 1, 0, 0, 0, 1});
   if (direction != std::array<double, 9>{1, 0, 0, 0, 1, 0, 0, 0, 1})
     throw Error("not-a-volume", "its axes are rotated", "resample it along x, y and z");
@@ -228,6 +217,27 @@ VtiLayout vti_layout(const std::string& content, const Reading& reading) {
   if (voxels > 2147483648.0)
     throw Error("too-large", fmt::format("it has {:.4g} voxels, more than 2^31", voxels),
                 "crop or downsample it first");
+}
+
+}  // namespace
+
+VtiLayout vti_layout(const std::string& content, const Reading& reading) {
+  VtiLayout out;
+  const std::string xml = vti_text(content, out);
+  // Parsed text needs several times its length.
+  require_memory(4.0 * double(xml.size()), reading.memory, "the text of the file");
+  pugi::xml_document document;
+  if (const auto result = document.load_buffer(xml.data(), xml.size()); !result)
+    throw bad_vti(std::string("its XML is damaged: ") + result.description());
+  const auto file = document.child("VTKFile");
+  const std::string type = file.attribute("type").value();
+  if (type != "ImageData")
+    throw Error("not-a-volume", "it contains '" + printable(type) + "' instead of ImageData",
+                "export it as image data");
+  read_encoding(file, out);
+  const auto image = file.child("ImageData");
+  const auto extent = numbers_of<6>(image, "WholeExtent", {});
+  read_lattice(image, extent, out);
   const auto piece = image.child("Piece");
   if (piece.next_sibling("Piece")) throw Error("not-a-volume", "it has several pieces", "merge them first");
   if (piece.attribute("Extent") && numbers_of<6>(piece, "Extent", {}) != extent)
