@@ -110,42 +110,6 @@ std::array<float, 3> dominant_cluster(std::vector<Texel>& t, float window) {
       ->value;
 }
 
-// The field's histogram, in each exemplar's bins.
-std::vector<Histogram> histograms_of(const SolidField& field, const std::vector<Histogram>& wanted,
-                                     float unit) {
-  std::vector<Histogram> have = wanted;
-  for (auto& h : have)
-    for (std::size_t c = 0; c < field.channel.size(); ++c) {
-      h.at[c].fill(0);
-      for (const float v : field.channel[c]) h.at[c][h.bin(c, v)] += unit;
-    }
-  return have;
-}
-
-// Adds the texels of one family over a voxel, which lies in this slice. Values that the solid has too often
-// weigh less.
-void add_texels(const ExemplarLevel& e, const NeighborField& f, const PatchCover& cu, const PatchCover& cv,
-                int slice, const Histogram& want, const Histogram& now, std::vector<Texel>& texels) {
-  for (int b = 0; b < cv.count; ++b)
-    for (int a = 0; a < cu.count; ++a) {
-      const std::size_t patch = (static_cast<std::size_t>(slice) * static_cast<std::size_t>(f.rows) +
-                                 static_cast<std::size_t>(cv.patch[b])) *
-                                    static_cast<std::size_t>(f.columns) +
-                                cu.patch[static_cast<std::size_t>(a)];
-      const std::size_t source =
-          f.at[patch] + static_cast<std::size_t>(cv.offset[b] * e.width + cu.offset[a]);
-      Texel t{{0, 0, 0}, f.weight[patch]};
-      float excess = 1;
-      for (std::size_t c = 0; c < want.at.size(); ++c) {
-        t.value[c] = e.texels[4 * source + c];
-        const std::size_t bin = want.bin(c, t.value[c]);
-        excess += std::max(0.0f, now.at[c][bin] - want.at[c][bin]);
-      }
-      t.weight /= excess;
-      texels.push_back(t);
-    }
-}
-
 }  // namespace
 
 void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
@@ -153,10 +117,8 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
                            double window, std::uint64_t seed, SolidField& field, const Work& work) {
   std::vector<PatchTree> trees;
   std::vector<Histogram> wanted;
-  for (const auto* e : exemplars) {
-    trees.emplace_back(e->features.data(), e->space.dims, e->starts);
-    wanted.push_back(histogram_of(*e));
-  }
+  for (const auto* e : exemplars)
+    trees.emplace_back(e->features.data(), e->space.dims, e->starts), wanted.push_back(histogram_of(*e));
   const std::size_t n = field.channel[0].size(), channels = field.channel.size();
   const Vec3i& size = field.size;
   const std::array<std::vector<PatchCover>, 3> cover = {patch_covers(size.x()), patch_covers(size.y()),
@@ -169,7 +131,13 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
     search_trees(field, exemplars, trees, families, step.part(0, 0.8));
     for (auto& f : families)
       for (auto& w : f.weight) w = std::pow(std::max(w, 1e-6f), static_cast<float>((exponent - 2) / 2));
-    std::vector<Histogram> have = histograms_of(field, wanted, unit);
+    // The solid's histogram, in each exemplar's bins.
+    std::vector<Histogram> have = wanted;
+    for (auto& h : have)
+      for (std::size_t c = 0; c < channels; ++c) {
+        h.at[c].fill(0);
+        for (const float v : field.channel[c]) h.at[c][h.bin(c, v)] += unit;
+      }
     Random random(seed, 0x70, static_cast<std::uint64_t>(it));
     for (std::size_t i = n - 1; i > 0; --i) std::swap(order[i], order[random.below(i + 1)]);
     const float reach =
@@ -183,9 +151,29 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
                          static_cast<int>(voxel / static_cast<std::uint32_t>(size.x()) / size.y())};
       texels.clear();
       for (const NeighborField& f : families) {
+        const ExemplarLevel& e = *exemplars[f.exemplar];
+        const Histogram &want = wanted[f.exemplar], &now = have[f.exemplar];
         const int u = kSliceColumns[f.axis], v = kSliceRows[f.axis];
-        add_texels(*exemplars[f.exemplar], f, cover[u][at[u]], cover[v][at[v]], at[f.axis],
-                   wanted[f.exemplar], have[f.exemplar], texels);
+        const PatchCover &cu = cover[u][at[u]], &cv = cover[v][at[v]];
+        for (int b = 0; b < cv.count; ++b)
+          for (int a = 0; a < cu.count; ++a) {
+            const std::size_t patch =
+                (static_cast<std::size_t>(at[f.axis]) * static_cast<std::size_t>(f.rows) +
+                 static_cast<std::size_t>(cv.patch[b])) *
+                    static_cast<std::size_t>(f.columns) +
+                cu.patch[static_cast<std::size_t>(a)];
+            const std::size_t source =
+                f.at[patch] + static_cast<std::size_t>(cv.offset[b] * e.width + cu.offset[a]);
+            Texel t{{0, 0, 0}, f.weight[patch]};
+            float excess = 1;
+            for (std::size_t c = 0; c < channels; ++c) {
+              t.value[c] = e.texels[4 * source + c];
+              const std::size_t bin = want.bin(c, t.value[c]);
+              excess += std::max(0.0f, now.at[c][bin] - want.at[c][bin]);
+            }
+            t.weight /= excess;
+            texels.push_back(t);
+          }
       }
       const auto value = dominant_cluster(texels, reach);
       for (std::size_t c = 0; c < channels; ++c) {
@@ -199,6 +187,42 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
     }
     step.progress(1);
   }
+}
+
+SolidField resample(const SolidField& in, const Vec3i& size, const Work& work) {
+  SolidField out;
+  out.size = size;
+  const std::size_t n = static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z();
+  for (const auto& from : in.channel) {
+    std::vector<float> to(n);
+    work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
+      const auto place = [&](int axis, int i, int* whole, float& part) {
+        const double p = (i + 0.5) * in.size[axis] / size[axis] - 0.5, f = std::floor(p);
+        whole[0] = (static_cast<int>(f) + in.size[axis]) % in.size[axis];
+        whole[1] = (whole[0] + 1) % in.size[axis];
+        part = p - f;
+      };
+      for (std::size_t z = begin; z < end; ++z)
+        for (int y = 0; y < size.y(); ++y)
+          for (int x = 0; x < size.x(); ++x) {
+            int wx[2], wy[2], wz[2];
+            float px, py, pz;
+            place(0, x, wx, px), place(1, y, wy, py), place(2, static_cast<int>(z), wz, pz);
+            float sum = 0;
+            for (int k = 0; k < 8; ++k)
+              sum += (k & 1 ? px : 1 - px) * (k & 2 ? py : 1 - py) * (k & 4 ? pz : 1 - pz) *
+                     from[(static_cast<std::size_t>(wz[k >> 2]) * static_cast<std::size_t>(in.size.y()) +
+                           static_cast<std::size_t>(wy[k >> 1 & 1])) *
+                              static_cast<std::size_t>(in.size.x()) +
+                          wx[k & 1]];
+            to[(z * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y)) *
+                   static_cast<std::size_t>(size.x()) +
+               x] = sum;
+          }
+    });
+    out.channel.push_back(std::move(to));
+  }
+  return out;
 }
 
 }  // namespace terrazzo::solids
