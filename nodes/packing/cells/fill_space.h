@@ -13,11 +13,11 @@ namespace terrazzo::tessellation {
 enum class Method { Laguerre, Grow };
 enum class CrystalAxes { None, Uniform, Fiber };
 
-// Growth takes the meshes of at most this many particles within about 2 GB.
-inline constexpr std::int64_t kMostGrown = 50'000;
+// Growth of this many particles takes about 50 s on two cores and 1.3 GB.
+inline constexpr std::int64_t kMostGrown = 25'000;
 
-// About 40 s on two cores.
-inline constexpr double kUsualEffort = 7e10;
+// At most a minute on two cores, mostly less.
+inline constexpr double kUsualEffort = 5e10;
 
 struct FillOptions {
   Method method = Method::Laguerre;
