@@ -25,14 +25,15 @@ Reliability reliability_of(const Proposal& clusters, const Proposal& network, co
 
 Method most_reliable(const Reliability& r, const ColorProposal& by_color, const Proposal& network,
                      const Proposal& both) {
-  constexpr double kLead = 1.1, kLeadOverBodies = 1.7;
+  constexpr double kLeadOverClusters = 1.1, kLeadOverBoth = 1.7;
   // Where much of what the network is sure of is binder by its color, color does not tell particles from
   // binder, as between fragments of many colors.
   constexpr double kForeign = 0.25;
   const bool any_distinct = std::count(by_color.distinct.begin(), by_color.distinct.end(), true) > 0;
-  if (!by_color.proposal.labels.classes.empty() && kLead * r.clusters > std::max(r.both, r.network))
+  if (!by_color.proposal.labels.classes.empty() &&
+      kLeadOverClusters * r.clusters > std::max(r.both, r.network))
     return Method::Clusters;
-  if (any_distinct && network.left_out_by(both) <= kForeign && kLeadOverBodies * r.both > r.network)
+  if (any_distinct && network.left_out_by(both) <= kForeign && kLeadOverBoth * r.both > r.network)
     return Method::Both;
   return Method::Network;
 }

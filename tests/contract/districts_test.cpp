@@ -1,4 +1,4 @@
-// The rooms of nodes/: which folder may include which, and whose namespace a folder's names are in
+// The districts of nodes/: which folder may include which, and whose namespace a folder's names are in
 // (docs/decisions/0030).
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ std::string content(const fs::path& file) {
   return out.str();
 }
 
-// The districts in the order in which the data passes. A file may include its own room, the libraries of its
-// district, and earlier districts. Never another node.
+// The districts in the order in which the data passes. A file may include its own folder, the libraries of
+// its district, and earlier districts. Never another node.
 const std::vector<std::string> kDistricts = {"data",    "common", "photograph", "sizes",  "shapes",
                                              "packing", "color",  "solids",     "detail", "cooccurrence",
                                              "volumes", "bodies", "compare",    "study",  "export"};
@@ -42,41 +42,41 @@ const int kNode = 2, kProgram = 3;  // levels of node folders, and of programs t
 const std::map<std::string, int> kSynthesis = {{"settings", 0}, {"exemplar", 1},  {"matching", 2},
                                                {"whole", 3},    {"blockwise", 4}, {"reference_2011", 4}};
 
-struct Room {
+struct Place {
   std::string district, name, inner;
   int level = 0;
 };
 
 // Of a path relative to nodes/, such as sizes/unfold/figure.h.
-Room room_of(const fs::path& path) {
-  Room room;
+Place place_of(const fs::path& path) {
+  Place place;
   auto part = path.begin();
-  room.district = part->string();
+  place.district = part->string();
   const bool in_folder = std::distance(path.begin(), path.end()) > 2;
-  room.name = in_folder ? room.district + "/" + std::next(part)->string() : room.district;
-  const auto library = kLibraries.find(room.name);
-  room.level = library == kLibraries.end() ? kNode : library->second;
-  if (std::distance(path.begin(), path.end()) > 3) room.inner = std::next(path.begin(), 2)->string();
-  if (path.string().find("/training/") != std::string::npos) room.level = kProgram;
-  return room;
+  place.name = in_folder ? place.district + "/" + std::next(part)->string() : place.district;
+  const auto library = kLibraries.find(place.name);
+  place.level = library == kLibraries.end() ? kNode : library->second;
+  if (std::distance(path.begin(), path.end()) > 3) place.inner = std::next(path.begin(), 2)->string();
+  if (path.string().find("/training/") != std::string::npos) place.level = kProgram;
+  return place;
 }
 
-bool may_include(const Room& room, const Room& other) {
-  if (room.district != other.district) {
+bool may_include(const Place& place, const Place& other) {
+  if (place.district != other.district) {
     const auto at = [](const std::string& district) {
       return std::find(kDistricts.begin(), kDistricts.end(), district) - kDistricts.begin();
     };
     const bool shared =
         other.district == "data" || other.district == "common" || kLibraries.count(other.name);
-    return shared && at(other.district) < at(room.district);
+    return shared && at(other.district) < at(place.district);
   }
-  if (room.name == "solids/synthesis" && room.name == other.name && room.inner != other.inner)
-    return room.inner.empty() ||
-           (!other.inner.empty() && kSynthesis.at(other.inner) < kSynthesis.at(room.inner));
-  return room.name == other.name || room.district == "export" || other.level < room.level;
+  if (place.name == "solids/synthesis" && place.name == other.name && place.inner != other.inner)
+    return place.inner.empty() ||
+           (!other.inner.empty() && kSynthesis.at(other.inner) < kSynthesis.at(place.inner));
+  return place.name == other.name || place.district == "export" || other.level < place.level;
 }
 
-TEST(Rooms, NoIncludePointsUpOrAcross) {
+TEST(Districts, NoIncludePointsUpOrAcross) {
   const fs::path nodes = fs::path(TERRAZZO_SOURCE) / "nodes";
   const std::regex include("#include \"nodes/([^\"]+/[^\"]+)\"");
   int includes = 0;
@@ -84,17 +84,17 @@ TEST(Rooms, NoIncludePointsUpOrAcross) {
     if (e.path().extension() != ".h" && e.path().extension() != ".cpp") continue;
     const fs::path path = e.path().lexically_relative(nodes);
     if (!path.has_parent_path()) continue;  // register_nodes.h, above all districts
-    const Room room = room_of(path);
-    ASSERT_TRUE(std::count(kDistricts.begin(), kDistricts.end(), room.district))
+    const Place place = place_of(path);
+    ASSERT_TRUE(std::count(kDistricts.begin(), kDistricts.end(), place.district))
         << path << " is in no district";
     const std::string text = content(e.path());
     for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it, ++includes)
-      EXPECT_TRUE(may_include(room, room_of(fs::path((*it)[1])))) << path << " includes " << (*it)[1];
+      EXPECT_TRUE(may_include(place, place_of(fs::path((*it)[1])))) << path << " includes " << (*it)[1];
   }
   EXPECT_GT(includes, 500);
 }
 
-TEST(Rooms, NoFolderHoldsMoreThanFortyFiles) {
+TEST(Districts, NoFolderHoldsMoreThanFortyFiles) {
   std::map<fs::path, int> files;
   for (const char* layer : {"graph", "runtime", "nodes"})
     for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / layer))
@@ -103,7 +103,7 @@ TEST(Rooms, NoFolderHoldsMoreThanFortyFiles) {
   for (const auto& [folder, count] : files) EXPECT_LE(count, 40) << folder;
 }
 
-TEST(Rooms, EveryDistrictHasAReadme) {
+TEST(Districts, EveryDistrictHasAReadme) {
   for (const auto& district : kDistricts)
     EXPECT_TRUE(fs::exists(fs::path(TERRAZZO_SOURCE) / "nodes" / district / "README.md")) << district;
 }
@@ -115,7 +115,7 @@ fs::path node_of(fs::path file) {
   return {};
 }
 
-TEST(Rooms, EveryNodeFolderHasItsOwnNamespace) {
+TEST(Districts, EveryNodeFolderHasItsOwnNamespace) {
   const fs::path nodes = fs::path(TERRAZZO_SOURCE) / "nodes";
   const std::regex opening("^namespace (terrazzo[a-z0-9_:]*) \\{", std::regex::multiline);
   int files = 0;
