@@ -75,7 +75,12 @@ try {
   await check('messages, light');
 
   // Undo goes back to the first text.
-  for (let k = 0; k < 4; ++k) await page.click('button:has-text("Undo")'), await settled();
+  for (let k = 0; k < 4; ++k) {
+    const was = await text();
+    await page.click('button:has-text("Undo")');
+    await page.waitForFunction(async old => (await (await fetch('/api/state')).json()).document.text !== old, was);
+    await settled();
+  }
   result.undone = (await text()) === before;
 
   // A node that is moved, and a note, are steps of undo.
