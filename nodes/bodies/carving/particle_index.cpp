@@ -30,31 +30,75 @@ void check_shown(const Particles& particles, const Shapes& shapes) {
   }
 }
 
+std::pair<double, double> ParticleIndex::add_shape(const Shape& s) {
+  const RenderMesh m = render_mesh(s);
+  RayScene::Triangles t;
+  double far = 0;
+  for (const Vec3& p : m.positions) {
+    t.positions.push_back(p.cast<float>());
+    far = std::max(far, p.norm());
+  }
+  t.indices = m.indices;
+  meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
+  triangles_.push_back(std::move(t));
+  const double near = std::sqrt(squared_distance(s.mesh, AabbTree(s.mesh), Vec3::Zero(), 1e300));
+  // A shape's origin may be outside the shape: then there is no inner sphere.
+  RayHit hit;
+  const bool holds_origin = meshes_.back().nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit);
+  return {far, holds_origin ? near : 0};
+}
+
+void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
+                                  std::vector<std::vector<Entry>>& lists) const {
+  const Vec3f size = box_.cwiseQuotient(cells_.cast<float>());
+  const float radius = outer_[particle];
+  Vec3i low, high;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = static_cast<int>(std::floor((at[k] - radius) / size[k]));
+    high[k] = static_cast<int>(std::floor((at[k] + radius) / size[k]));
+  }
+  for (int z = low.z(); z <= high.z(); ++z)
+    for (int y = low.y(); y <= high.y(); ++y)
+      for (int x = low.x(); x <= high.x(); ++x) {
+        const Vec3i cell(x, y, z);
+        Vec3f center = at;
+        std::size_t list = 0;
+        for (int k = 2; k >= 0; --k) {
+          const int periods = static_cast<int>(std::floor(float(cell[k]) / float(cells_[k])));
+          center[k] -= float(periods) * box_[k];
+          list = list * static_cast<std::size_t>(cells_[k]) + (cell[k] - periods * cells_[k]);
+        }
+        // Skip cells at the corners of the box that the sphere does not reach.
+        float square = 0;
+        for (int k = 0; k < 3; ++k) {
+          const float lo = float(cell[k]) * size[k], d = std::max({lo - at[k], at[k] - lo - size[k], 0.0f});
+          square += d * d;
+        }
+        if (square <= radius * radius) lists[list].push_back({particle, center});
+      }
+}
+
+void ParticleIndex::fill_cells(const Particles& particles) {
+  std::vector<std::vector<Entry>> lists(static_cast<std::size_t>(cells_.prod()));
+  for (std::size_t i = 0; i < particles.count(); ++i)
+    list_in_cells(static_cast<std::int32_t>(i), particles.position[i].cast<float>(), lists);
+  for (const auto& l : lists) {
+    first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+    entries_.insert(entries_.end(), l.begin(), l.end());
+  }
+  first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+}
+
 ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
     : box_(particles.box.cast<float>()) {
   check_shown(particles, shapes);
-  std::vector<double> outer, inner;  // of the shapes at scale 1
-  for (const Shape& s : shapes.shapes) {
-    const RenderMesh m = render_mesh(s);
-    RayScene::Triangles t;
-    double far = 0;
-    for (const Vec3& p : m.positions) {
-      t.positions.push_back(p.cast<float>());
-      far = std::max(far, p.norm());
-    }
-    t.indices = m.indices;
-    meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
-    triangles_.push_back(std::move(t));
-    outer.push_back(far),
-        inner.push_back(std::sqrt(squared_distance(s.mesh, AabbTree(s.mesh), Vec3::Zero(), 1e300)));
-  }
-  double largest = 0;
+  std::vector<std::pair<double, double>> radii;  // of the shapes at scale 1
+  for (const Shape& s : shapes.shapes) radii.push_back(add_shape(s));
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    const std::size_t s = particles.shape[i];
+    const auto [outer, inner] = radii[particles.shape[i]];
     const double scale = std::abs(particles.scale[i]);
-    outer_.push_back(static_cast<float>(scale * outer[s] * 1.0001)),
-        inner_.push_back(static_cast<float>(scale * inner[s] * 0.9999));
-    largest = std::max<double>(largest, outer_.back());
+    outer_.push_back(static_cast<float>(scale * outer * 1.0001));
+    inner_.push_back(static_cast<float>(scale * inner * 0.9999));
     const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
     to_mesh_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
     mesh_of_.push_back(particles.shape[i]);
@@ -62,46 +106,7 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
   // About two cells per mean diameter, limited to the memory of a few million cells.
   const double volume = particles.box.prod(), spacing = 0.5 * std::cbrt(volume / particles.count());
   for (int k = 0; k < 3; ++k) cells_[k] = std::clamp(static_cast<int>(particles.box[k] / spacing), 1, 160);
-  // A shape's origin may be outside the shape: then there is no inner sphere.
-  for (std::size_t s = 0; s < meshes_.size(); ++s)
-    if (RayHit hit; !meshes_[s].nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit))
-      for (std::size_t i = 0; i < outer_.size(); ++i)
-        if (static_cast<std::size_t>(mesh_of_[i]) == s) inner_[i] = 0;
-
-  std::vector<std::vector<Entry>> lists(static_cast<std::size_t>(cells_.prod()));
-  const Vec3f size = box_.cwiseQuotient(cells_.cast<float>());
-  for (std::size_t i = 0; i < particles.count(); ++i) {
-    const Vec3f at = particles.position[i].cast<float>();
-    Vec3i low, high;
-    for (int k = 0; k < 3; ++k) {
-      low[k] = static_cast<int>(std::floor((at[k] - outer_[i]) / size[k]));
-      high[k] = static_cast<int>(std::floor((at[k] + outer_[i]) / size[k]));
-    }
-    for (int z = low.z(); z <= high.z(); ++z)
-      for (int y = low.y(); y <= high.y(); ++y)
-        for (int x = low.x(); x <= high.x(); ++x) {
-          const Vec3i cell(x, y, z);
-          Vec3f center = at;
-          std::size_t list = 0;
-          for (int k = 2; k >= 0; --k) {
-            const int periods = static_cast<int>(std::floor(float(cell[k]) / float(cells_[k])));
-            center[k] -= float(periods) * box_[k];
-            list = list * static_cast<std::size_t>(cells_[k]) + (cell[k] - periods * cells_[k]);
-          }
-          // Skip cells at the corners of the box that the sphere does not reach.
-          float square = 0;
-          for (int k = 0; k < 3; ++k) {
-            const float lo = float(cell[k]) * size[k], d = std::max({lo - at[k], at[k] - lo - size[k], 0.0f});
-            square += d * d;
-          }
-          if (square <= outer_[i] * outer_[i]) lists[list].push_back({static_cast<std::int32_t>(i), center});
-        }
-  }
-  for (const auto& l : lists) {
-    first_.push_back(static_cast<std::uint32_t>(entries_.size()));
-    entries_.insert(entries_.end(), l.begin(), l.end());
-  }
-  first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+  fill_cells(particles);
   for (auto& r : outer_) r *= r;
   for (auto& r : inner_) r *= r;
 }

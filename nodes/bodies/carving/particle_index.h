@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "nodes/bodies/carving/ray_scene.h"
@@ -25,6 +26,11 @@ class ParticleIndex {
     std::int32_t particle;
     Vec3f center;  // mm, of the periodic image that may reach into the cell
   };
+  // Of a shape: adds its mesh, and returns the radii of the spheres around its origin that hold all of it,
+  // and that it holds.
+  std::pair<double, double> add_shape(const Shape&);
+  void fill_cells(const Particles&);
+  void list_in_cells(std::int32_t particle, const Vec3f& at, std::vector<std::vector<Entry>>& lists) const;
   bool holds(std::int32_t particle, const Vec3f& from_center) const;
 
   Vec3f box_;

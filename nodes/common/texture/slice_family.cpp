@@ -86,27 +86,11 @@ void SliceFamily::change_coarse(const Band& band, const Remap& remap, std::vecto
   });
 }
 
-void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
-                        std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
-  const Work quiet = work.quiet();
-  transform(volume, space, quiet);
-  // The share of each coefficient in the unchanged bands: Σ gain², since the frame is tight.
-  std::vector<float> rest(fft_.count(), 0.0f);
-  std::vector<Remap> remap;
-  for (std::size_t b = 0; b < bands_.size(); ++b) {
-    remap.emplace_back(bands[b]);
-    if (bands_[b].scale > last_scale)
-      for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
-        if (bands_[b].gain[i] != 0) rest[bands_[b].source[i]] += bands_[b].gain[i] * bands_[b].gain[i];
-  }
-  // Count the current values first; for bands at full resolution on a part of the slices only. Then all bands
-  // of a group can be recombined while the group is in the cache.
-  const auto is_coarse = [&](std::size_t band) { return crops_[band].count() < fft_.count(); };
-  space.coarse.resize(bands_.size());
-  for (std::size_t b = 0; b < bands_.size(); ++b)
-    if (is_coarse(b) && bands_[b].scale <= last_scale) space.coarse[b].resize(crops_[b].count() * groups_);
+std::vector<std::vector<Remap::Counts>> SliceFamily::count_values(const std::vector<Remap>& remap,
+                                                                  int last_scale, Workspace& space,
+                                                                  const Work& work) const {
   std::vector<std::vector<Remap::Counts>> counts(groups_);
-  work.part(0, 0.2).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
+  work.parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
     auto& local = space.group.local();
     local.band.resize(fft_.count());
     for (std::size_t g = begin; g < end; ++g) {
@@ -121,6 +105,61 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       }
     }
   });
+  return counts;
+}
+
+void SliceFamily::recombine(std::size_t group, const std::vector<Remap>& remap,
+                            const std::vector<float>& rest, int last_scale, float norm,
+                            std::vector<float>& sum, Workspace& space) const {
+  auto& local = space.group.local();
+  local.band.resize(fft_.count());
+  local.output.resize(fft_.count());
+  const LaneComplex* in = &space.spectra[group * fft_.count()];
+  LaneComplex* output = local.output.data();
+  for (std::size_t i = 0; i < fft_.count(); ++i) {
+    output[i].re = in[i].re * rest[i];
+    output[i].im = in[i].im * rest[i];
+  }
+  for (std::size_t b = 0; b < bands_.size(); ++b) {
+    if (bands_[b].scale > last_scale) continue;
+    LaneComplex* band = local.band.data();
+    if (is_coarse(b)) {
+      band = &space.coarse[b][group * crops_[b].count()];
+    } else {
+      extract_band(bands_[b], crops_[b], in, fft_.count(), band, local.scratch);
+      remap[b].apply(lanes(*band), crops_[b].count() * kAtOnce);
+    }
+    add_band(bands_[b], crops_[b], band, fft_.count(), output, local.scratch);
+  }
+  fft_.run(output, true, local.scratch);
+  const int used = slices_in(group);
+  float* to = sum.data() + group * kAtOnce * step_slice_;
+  each_pixel([&](int u, int v) {
+    const float* from = lanes(output[static_cast<std::size_t>(v) * fft_.width() + u]);
+    float* voxel = to + u * step_u_ + v * step_v_;
+    for (int i = 0; i < used; ++i) voxel[i * step_slice_] += norm * from[i];
+  });
+}
+
+void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quantiles>& bands, float share,
+                        std::vector<float>& sum, Workspace& space, const Work& work, int last_scale) const {
+  const Work quiet = work.quiet();
+  transform(volume, space, quiet);
+  // The share of each coefficient in the unchanged bands: Σ gain², since the frame is tight.
+  std::vector<float> rest(fft_.count(), 0.0f);
+  std::vector<Remap> remap;
+  for (std::size_t b = 0; b < bands_.size(); ++b) {
+    remap.emplace_back(bands[b]);
+    if (bands_[b].scale > last_scale)
+      for (std::size_t i = 0; i < bands_[b].gain.size(); ++i)
+        if (bands_[b].gain[i] != 0) rest[bands_[b].source[i]] += bands_[b].gain[i] * bands_[b].gain[i];
+  }
+  // Count the current values first. Then all bands of a group can be recombined while the group is in the
+  // cache.
+  space.coarse.resize(bands_.size());
+  for (std::size_t b = 0; b < bands_.size(); ++b)
+    if (is_coarse(b) && bands_[b].scale <= last_scale) space.coarse[b].resize(crops_[b].count() * groups_);
+  const auto counts = count_values(remap, last_scale, space, work.part(0, 0.2));
   quiet.parallel(bands_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       if (bands_[b].scale > last_scale) continue;
@@ -135,35 +174,7 @@ void SliceFamily::match(const std::vector<float>& volume, const std::vector<Quan
       change_coarse(bands_[b], remap[b], space.coarse[b], quiet);
   const float norm = share / fft_.count();
   work.part(0.2, 1).parallel(groups_, 1, [&](std::size_t begin, std::size_t end) {
-    auto& local = space.group.local();
-    local.band.resize(fft_.count()), local.output.resize(fft_.count());
-    for (std::size_t g = begin; g < end; ++g) {
-      const LaneComplex* in = &space.spectra[g * fft_.count()];
-      LaneComplex* output = local.output.data();
-      for (std::size_t i = 0; i < fft_.count(); ++i) {
-        output[i].re = in[i].re * rest[i];
-        output[i].im = in[i].im * rest[i];
-      }
-      for (std::size_t b = 0; b < bands_.size(); ++b) {
-        if (bands_[b].scale > last_scale) continue;
-        LaneComplex* band = local.band.data();
-        if (is_coarse(b)) {
-          band = &space.coarse[b][g * crops_[b].count()];
-        } else {
-          extract_band(bands_[b], crops_[b], in, fft_.count(), band, local.scratch);
-          remap[b].apply(lanes(*band), crops_[b].count() * kAtOnce);
-        }
-        add_band(bands_[b], crops_[b], band, fft_.count(), output, local.scratch);
-      }
-      fft_.run(output, true, local.scratch);
-      const int used = slices_in(g);
-      float* to = sum.data() + g * kAtOnce * step_slice_;
-      each_pixel([&](int u, int v) {
-        const float* from = lanes(output[static_cast<std::size_t>(v) * fft_.width() + u]);
-        float* voxel = to + u * step_u_ + v * step_v_;
-        for (int i = 0; i < used; ++i) voxel[i * step_slice_] += norm * from[i];
-      });
-    }
+    for (std::size_t g = begin; g < end; ++g) recombine(g, remap, rest, last_scale, norm, sum, space);
   });
 }
 

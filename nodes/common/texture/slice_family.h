@@ -53,6 +53,15 @@ class SliceFamily {
     return std::min(kAtOnce, slices_ - static_cast<int>(group) * kAtOnce);
   }
   void transform(const std::vector<float>& volume, Workspace&, const Work&) const;
+  // Whether a band is on a smaller grid than the slices.
+  bool is_coarse(std::size_t band) const { return crops_[band].count() < fft_.count(); }
+  // The current values of each band in each group; for bands at full resolution on a part of the slices only.
+  // Keeps the coarse bands.
+  std::vector<std::vector<Remap::Counts>> count_values(const std::vector<Remap>&, int last_scale, Workspace&,
+                                                       const Work&) const;
+  // Adds norm · (the slices of a group, of the remapped bands and the rest) to `sum`.
+  void recombine(std::size_t group, const std::vector<Remap>&, const std::vector<float>& rest, int last_scale,
+                 float norm, std::vector<float>& sum, Workspace&) const;
   void change_coarse(const Band&, const Remap&, std::vector<LaneComplex>& values, const Work&) const;
   std::vector<double> power_of(const Workspace&, const Work&) const;
   std::vector<double> variances(const std::vector<double>& power) const;  // of each band

@@ -87,6 +87,53 @@ std::vector<Vec3f> deviations(const Phases& p, const std::vector<Vec3f>& broad) 
   return out;
 }
 
+// Pixels around one that may belong to its zone.
+constexpr int kAroundEdge = 8;
+
+// Weights of the pixels around one, row by row.
+std::vector<float> weights_around_edge() {
+  std::vector<float> weight;
+  for (int dy = -kAroundEdge; dy <= kAroundEdge; ++dy)
+    for (int dx = -kAroundEdge; dx <= kAroundEdge; ++dx)
+      weight.push_back(static_cast<float>(std::exp(-0.5 * (dx * dx + dy * dy) / (kBroad * kBroad))));
+  return weight;
+}
+
+struct EdgeZone {
+  Vec3f mean;
+  float share = 0;  // of the pixels around
+};
+
+// The zone most like a pixel of this row, by mean shift. `deviation`: of the pixel's phase.
+EdgeZone zone_at(const Phases& p, const Labels& labels, const std::vector<Vec3f>& soft,
+                 const std::vector<float>& weight, const Vec3f& deviation, std::size_t row, int x) {
+  constexpr float kRange = 2;  // of the phase's deviations, within one zone
+  const int y = row % static_cast<std::size_t>(p.height);
+  const std::size_t plane = row / p.height * p.plane(), i = plane + static_cast<std::size_t>(y) * p.width + x;
+  EdgeZone zone{soft[i]};
+  for (int round = 0; round < 3; ++round) {
+    Vec3f sum = Vec3f::Zero();
+    float total = 0, near = 0;
+    for (int v = std::max(0, y - kAroundEdge); v <= std::min(p.height - 1, y + kAroundEdge); ++v)
+      for (int u = std::max(0, x - kAroundEdge); u <= std::min(p.width - 1, x + kAroundEdge); ++u) {
+        const std::size_t j = plane + static_cast<std::size_t>(v) * p.width + u;
+        if (p.phase[j] < 0 || labels.ids[j] != labels.ids[i]) continue;
+        const float w = weight[static_cast<std::size_t>(v - y + kAroundEdge) * (2 * kAroundEdge + 1) +
+                               (u - x + kAroundEdge)];
+        const float apart =
+            ((soft[j] - zone.mean).array() / deviation.array()).square().sum() / (kRange * kRange);
+        const float same = w * std::exp(-0.5f * apart);
+        sum += same * p.offset[j];
+        total += same;
+        near += w;
+      }
+    if (!(total > 0)) break;
+    zone.mean = sum / total;
+    zone.share = total / near;
+  }
+  return zone;
+}
+
 // Where zones border on each other, the Gaussian filter leaves their edge in the fine part, from where it
 // would float among zones that it does not belong to. There, a pixel takes the mean of the zone that is most
 // like it (mean shift, Comaniciu and Meer 2002), unless that zone is a speck. Pixels that lie between zones
@@ -94,10 +141,8 @@ std::vector<Vec3f> deviations(const Phases& p, const std::vector<Vec3f>& broad) 
 void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& deviation,
                 std::vector<Vec3f>& broad, const Work& work) {
   constexpr float kSame = 2, kSharp = 3;  // local deviation / the phase's: grain alone, and an edge
-  constexpr float kRange = 2;             // of the phase's deviations, within one zone
   constexpr float kLeastZone = 0.2f, kMostZone = 0.8f;  // shares of the pixels around, where there is an edge
   constexpr float kBetween = 3;                         // of the phase's deviations, off every zone
-  constexpr int kAround = 8;                            // pixels
   constexpr std::size_t kEnough = 4000;                 // used pixels of a phase
   const auto all = [](std::size_t) { return true; };
   const std::size_t n = broad.size();
@@ -107,50 +152,24 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
       square[i].setConstant(((p.offset[i] - broad[i]).array() / deviation[k].array()).square().sum());
   blur_labels(p, labels, kBroad, square, all, spread, work);
   blur_labels(p, labels, 1, p.offset, all, soft, work);
-  std::vector<float> weight;
-  for (int dy = -kAround; dy <= kAround; ++dy)
-    for (int dx = -kAround; dx <= kAround; ++dx)
-      weight.push_back(static_cast<float>(std::exp(-0.5 * (dx * dx + dy * dy) / (kBroad * kBroad))));
+  const std::vector<float> weight = weights_around_edge();
   std::vector<Vec3f> out = broad;
   std::vector<std::uint8_t> between(n, 0);
   work.quiet().parallel(
       static_cast<std::size_t>(p.height) * p.sections, 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row)
           for (int x = 0; x < p.width; ++x) {
-            const int y = row % static_cast<std::size_t>(p.height);
-            const std::size_t plane = row / p.height * p.plane(),
-                              i = plane + static_cast<std::size_t>(y) * p.width + x;
+            const std::size_t i = row * p.width + x;
             if (p.phase[i] < 0) continue;
             const float local = std::sqrt(spread[i].x() / 3);
             if (local <= kSame) continue;
             const Vec3f& d = deviation[p.phase[i]];
-            Vec3f zone = soft[i];
-            float share = 0;
-            for (int round = 0; round < 3; ++round) {
-              Vec3f sum = Vec3f::Zero();
-              float total = 0, near = 0;
-              for (int v = std::max(0, y - kAround); v <= std::min(p.height - 1, y + kAround); ++v)
-                for (int u = std::max(0, x - kAround); u <= std::min(p.width - 1, x + kAround); ++u) {
-                  const std::size_t j = plane + static_cast<std::size_t>(v) * p.width + u;
-                  if (p.phase[j] < 0 || labels.ids[j] != labels.ids[i]) continue;
-                  const float w = weight[static_cast<std::size_t>(v - y + kAround) * (2 * kAround + 1) +
-                                         (u - x + kAround)];
-                  const float apart =
-                      ((soft[j] - zone).array() / d.array()).square().sum() / (kRange * kRange);
-                  const float same = w * std::exp(-0.5f * apart);
-                  sum += same * p.offset[j];
-                  total += same;
-                  near += w;
-                }
-              if (!(total > 0)) break;
-              zone = sum / total;
-              share = total / near;
-            }
-            if (share < kLeastZone) continue;
+            const EdgeZone zone = zone_at(p, labels, soft, weight, d, row, x);
+            if (zone.share < kLeastZone) continue;
             const float part = std::min(1.0f, (local - kSame) / (kSharp - kSame));
-            out[i] = (1 - part) * broad[i] + part * zone;
-            between[i] =
-                share < kMostZone && ((p.offset[i] - zone).cwiseAbs().array() > kBetween * d.array()).any();
+            out[i] = (1 - part) * broad[i] + part * zone.mean;
+            between[i] = zone.share < kMostZone &&
+                         ((p.offset[i] - zone.mean).cwiseAbs().array() > kBetween * d.array()).any();
           }
       });
   broad = std::move(out);

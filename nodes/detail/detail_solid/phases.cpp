@@ -82,7 +82,10 @@ void check_photograph(const Image& image, const Labels& labels) {
                   fmt::format("the labels contain profile {}, but there are {}", id, labels.count()));
 }
 
-Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+namespace {
+
+// The encoded pixels of binder and particles, without those that do not count.
+Phases encoded_pixels(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
   Phases out;
   out.width = image.width;
   out.height = image.height;
@@ -104,6 +107,23 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
       out.outliers += exclude_specks(&out.offset[s * plane], choice.specks, out.width, out.height, phase) /
                       image.sections;
   }
+  return out;
+}
+
+// Draws one section in the colors of its particles that have pixels, and of its binder.
+void draw_flat(const std::int32_t* ids, const std::vector<double>& area, const std::vector<Vec3f>& color,
+               const Vec3f& binder, std::vector<Vec3f>& flat) {
+  for (std::size_t k = 0; k < flat.size(); ++k)
+    flat[k] = ids[k] > 0 && area[static_cast<std::size_t>(ids[k]) - 1] > 0
+                  ? color[static_cast<std::size_t>(ids[k]) - 1]
+                  : binder;
+}
+
+}  // namespace
+
+Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+  Phases out = encoded_pixels(image, labels, choice, work);
+  const std::size_t plane = out.plane(), pixels = image.pixels.size();
   // Medians and means in linear light, as the flat colors of particles and binder are.
   std::vector<std::int64_t> used(static_cast<std::size_t>(labels.count()), 0);
   std::vector<Mean> binder(static_cast<std::size_t>(image.sections));
@@ -128,13 +148,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   for (const Vec3f& c : color) scale.push_back(Detail::particle_scale(linear_to_srgb(c)));
   for (std::size_t i = 0; i < pixels; ++i) {
     if (i % plane == 0) {
-      const Vec3f matrix = binder[i / plane].value();
-      for (std::size_t k = 0; k < plane; ++k) {
-        const std::int32_t id = labels.ids[i + k];
-        flat[k] = id > 0 && area[static_cast<std::size_t>(id) - 1] > 0
-                      ? color[static_cast<std::size_t>(id) - 1]
-                      : matrix;
-      }
+      draw_flat(&labels.ids[i], area, color, binder[i / plane].value(), flat);
       if (choice.softness > 0.2) {
         cv::Mat picture(out.height, out.width, CV_32FC3, flat.data());
         cv::GaussianBlur(picture, picture, {0, 0}, choice.softness);
