@@ -77,6 +77,42 @@ Shape measured(const std::string& name, Mesh mesh, bool smooth) {
   return s;
 }
 
+// The surface of a body in world units, and its level set in mm with this spacing.
+Mesh make_surface(const carving::BodyParts& parts, double mm, double spacing, Volume& volume,
+                  const Work& work) {
+  const double edge = spacing / mm;
+  Mesh mesh;  // world units
+  if (parts.whole()) {
+    mesh = parts.base.mesh;
+    subdivide(mesh, edge, work);
+    Mesh sized = mesh;
+    transform(sized, Mat3::Identity() * mm, Vec3::Zero());
+    volume = level_set(sized, spacing, work);
+  } else {
+    volume = level_set(parts, mm, spacing, work);
+    mesh = surface_of(volume);
+    transform(mesh, Mat3::Identity() / mm, Vec3::Zero());
+    sharpen(mesh, parts.box, 0.6 * edge);
+  }
+  return mesh;
+}
+
+// The colors of the vertices. Moves those that are close to the surface onto it if `move`.
+std::vector<Vec3f> color_vertices(Mesh& mesh, const SurfaceColor& colors, float reach, bool move,
+                                  const Work& work) {
+  const auto normals = vertex_normals(mesh);
+  std::vector<Vec3f> color(mesh.vertices.size());
+  work.parallel(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      Vec3f p = mesh.vertices[v].cast<float>();
+      const Vec3f before = p;
+      color[v] = colors.at(p, normals[v], reach);
+      if (move && (p - before).norm() < 0.5f * reach) mesh.vertices[v] = p.cast<double>();
+    }
+  });
+  return color;
+}
+
 }  // namespace
 
 CarvedMesh carve_mesh(const carving::BodyParts& parts, const carving::Body& body, const CarveOptions& options,
@@ -90,34 +126,13 @@ CarvedMesh carve_mesh(const carving::BodyParts& parts, const carving::Body& body
   const double edge = out.edge / mm;  // world units
   require_room(parts, mm, out.edge, options.memory);
 
-  Mesh mesh;  // world units
-  if (parts.whole()) {
-    mesh = parts.base.mesh;
-    subdivide(mesh, edge, work);
-    Mesh sized = mesh;
-    transform(sized, Mat3::Identity() * mm, Vec3::Zero());
-    out.volume = level_set(sized, out.edge, work);
-  } else {
-    out.volume = level_set(parts, mm, out.edge, work);
-    mesh = surface_of(out.volume);
-    transform(mesh, Mat3::Identity() / mm, Vec3::Zero());
-    sharpen(mesh, parts.box, 0.6 * edge);
-  }
+  Mesh mesh = make_surface(parts, mm, out.edge, out.volume, work);
   work.progress(0.3);
 
   // An exact surface stays where it is; one from a grid moves onto the surface that RenderSolid shows.
   const SurfaceColor colors(*body.solid, *body.paint);
   const float reach = parts.whole() ? 0.02 * edge : edge;
-  const auto normals = vertex_normals(mesh);
-  std::vector<Vec3f> color(mesh.vertices.size());
-  work.part(0.3, 0.6).parallel(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      Vec3f p = mesh.vertices[v].cast<float>();
-      const Vec3f before = p;
-      color[v] = colors.at(p, normals[v], reach);
-      if (!parts.whole() && (p - before).norm() < 0.5f * reach) mesh.vertices[v] = p.cast<double>();
-    }
-  });
+  std::vector<Vec3f> color = color_vertices(mesh, colors, reach, !parts.whole(), work.part(0.3, 0.6));
   std::vector<CornerUv> uv;
   if (options.texture > 0)
     out.texture = bake_atlas(

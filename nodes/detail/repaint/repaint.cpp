@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "nodes/common/texture/color_medians.h"
 #include "nodes/data/equal_size.h"
@@ -65,10 +66,7 @@ FlatColors flat_colors(const Vec3f* pixels, const std::int32_t* ids, std::size_t
   return out;
 }
 
-}  // namespace
-
-Image repaint(const Image& photograph, const Labels& labels, const Detail* detail, std::uint64_t seed,
-              const Work& work) {
+void check(const Image& photograph, const Labels& labels) {
   if (photograph.pixels.empty())
     throw Error("empty-image", "the image has no pixels", "connect a photograph");
   require_equal_size(photograph, "the image has", labels, "the labels have",
@@ -77,6 +75,48 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     if (id < 0 || id > labels.count())
       throw Error("bad-labels",
                   fmt::format("the labels contain profile {}, but there are {}", id, labels.count()));
+}
+
+// The plane of a picture in the middle of a box.
+struct PicturePlane {
+  int width, height;
+  double pixel;  // mm
+  Quat turn;
+
+  double side() const { return 2 * std::hypot(width, height) * pixel; }  // of the box
+  Vec3 at(double x, double y) const {
+    return Vec3::Constant(side() / 2) + turn * Vec3((x - width / 2.0) * pixel, (height / 2.0 - y) * pixel, 0);
+  }
+};
+
+// A particle for each profile. `sizes`: by label.
+Particles particles_of(std::span<const std::int32_t> ids, const std::vector<float>& sizes,
+                       const FlatColors& flat, const PicturePlane& plane) {
+  const std::size_t count = flat.profile.size();
+  Particles particles;
+  particles.box = Vec3::Constant(plane.side());
+  particles.resize(count);
+  std::vector<Vec3> sum(count, Vec3::Zero());
+  std::vector<float> sizes_of(count, 0);
+  for (std::size_t id = 1; id < sizes.size(); ++id) sizes_of[id - 1] = sizes[id];
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (ids[i] > 0) sum[ids[i] - 1] += Vec3((i % plane.width) + 0.5, (i / plane.width) + 0.5, 1);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double n = std::max(1.0, sum[k].z());
+    particles.position[k] = sum[k].z() > 0 ? plane.at(sum[k].x() / n, sum[k].y() / n) : plane.at(0, 0);
+    // The field takes the mean profile of a particle for what is seen of it.
+    particles.size[k] = std::max<double>(plane.pixel, sizes_of[k] / residual::kShownSize);
+    particles.color[k] = flat.profile[k];
+  }
+  particles.binder_color = flat.binder;
+  return particles;
+}
+
+}  // namespace
+
+Image repaint(const Image& photograph, const Labels& labels, const Detail* detail, std::uint64_t seed,
+              const Work& work) {
+  check(photograph, labels);
   Image out = photograph;
   const int width = photograph.width, height = photograph.height;
   const std::size_t plane = static_cast<std::size_t>(width) * height;
@@ -107,34 +147,15 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     Quat turn;
     for (int k = 0; k < 4; ++k) turn.coeffs()[k] = random.normal();
     turn.normalize();
-    const double side = 2 * std::hypot(width, height) * pixel;
-    const auto place = [&](double x, double y) {
-      return Vec3(Vec3::Constant(side / 2) +
-                  turn * Vec3((x - width / 2.0) * pixel, (height / 2.0 - y) * pixel, 0));
-    };
-    Particles particles;
-    particles.box = Vec3::Constant(side);
-    particles.resize(labels.count());
-    std::vector<Vec3> sum(labels.count(), Vec3::Zero());
-    std::vector<float> sizes_of(labels.count(), 0);
-    for (std::size_t id = 1; id < sizes.size(); ++id) sizes_of[id - 1] = sizes[id];
-    for (std::size_t i = 0; i < plane; ++i)
-      if (ids[i] > 0) sum[ids[i] - 1] += Vec3((i % width) + 0.5, (i / width) + 0.5, 1);
-    for (std::int32_t k = 0; k < labels.count(); ++k) {
-      const double n = std::max(1.0, sum[k].z());
-      particles.position[k] = sum[k].z() > 0 ? place(sum[k].x() / n, sum[k].y() / n) : place(0, 0);
-      // The field takes the mean profile of a particle for what is seen of it.
-      particles.size[k] = std::max<double>(pixel, sizes_of[k] / residual::kShownSize);
-      particles.color[k] = flat.profile[k];
-    }
-    particles.binder_color = flat.binder;
+    const PicturePlane place{width, height, pixel, turn};
+    const Particles particles = particles_of({ids, plane}, sizes, flat, place);
     const residual::ResidualField field(*detail, particles, pixel, residual::Keep::Power, part.quiet());
     std::vector<std::int32_t> owner(plane, -1);
     for (std::size_t i = 0; i < plane; ++i)
       if (cover[i] > 0) owner[i] = (ids[i] > 0 ? ids[i] : outlines.particle[i]) - 1;
     residual::add_to_picture(
         pixels,
-        {width, height, pixel, pixel, false, place(0, height), turn * Vec3::UnitX(), turn * Vec3::UnitY()},
+        {width, height, pixel, pixel, false, place.at(0, height), turn * Vec3::UnitX(), turn * Vec3::UnitY()},
         {ids, plane}, owner, cover, field, part);
   }
   return out;

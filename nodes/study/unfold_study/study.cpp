@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "graph/diagnostic.h"
 #include "nodes/sizes/unfolding/unfold.h"
@@ -44,6 +45,36 @@ Trial judge(const TrueSizes& truth, const SizeDistribution& d, bool intervals) {
   t.error = (t.error + truth.total() - inside) / truth.total();
   t.total /= truth.total();
   return t;
+}
+
+// Moves the classes of the first trial that was not refused.
+MethodResult summary_of(const std::string& method, std::span<Trial> trials) {
+  MethodResult out;
+  out.method = method;
+  double squares = 0;
+  int held = 0, intervals = 0;
+  for (Trial& t : trials) {
+    if (t.refused) {
+      ++out.refused;
+      continue;
+    }
+    if (out.N_V.empty()) {
+      out.edges = std::move(t.edges);
+      out.N_V = std::move(t.N_V);
+    }
+    out.error += t.error;
+    squares += t.error * t.error;
+    out.total += t.total;
+    held += t.held;
+    intervals += t.intervals;
+  }
+  const double n = static_cast<int>(trials.size()) - out.refused;
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  out.error = n > 0 ? out.error / n : none;
+  out.total = n > 0 ? out.total / n : none;
+  out.error_of_mean = n > 1 ? std::sqrt(std::max(0.0, squares / n - out.error * out.error) / (n - 1)) : none;
+  out.coverage = intervals > 0 ? static_cast<double>(held) / intervals : none;
+  return out;
 }
 
 }  // namespace
@@ -87,33 +118,8 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
 
   std::vector<MethodResult> results;
   for (std::size_t m = 0; m < methods; ++m) {
-    MethodResult& out = results.emplace_back();
-    out.method = options.methods[m];
-    double squares = 0;
-    int held = 0, intervals = 0;
-    for (std::size_t r = 0; r < repetitions; ++r) {
-      Trial& t = trials[m * repetitions + r];
-      if (t.refused) {
-        ++out.refused;
-        continue;
-      }
-      if (out.N_V.empty()) {
-        out.edges = std::move(t.edges);
-        out.N_V = std::move(t.N_V);
-      }
-      out.error += t.error;
-      squares += t.error * t.error;
-      out.total += t.total;
-      held += t.held;
-      intervals += t.intervals;
-    }
-    const double n = options.repetitions - out.refused;
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    out.error = n > 0 ? out.error / n : none;
-    out.total = n > 0 ? out.total / n : none;
-    out.error_of_mean =
-        n > 1 ? std::sqrt(std::max(0.0, squares / n - out.error * out.error) / (n - 1)) : none;
-    out.coverage = intervals > 0 ? static_cast<double>(held) / intervals : none;
+    const std::span of_method(trials.data() + m * repetitions, repetitions);
+    results.push_back(summary_of(options.methods[m], of_method));
   }
   return results;
 }
