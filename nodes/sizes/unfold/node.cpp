@@ -117,7 +117,7 @@ void warn_of_shapes(Context& c, const UnfoldResult& r, const KMatrix& kmatrix) {
                     fraction));
 }
 
-void compute(Context& c) {
+UnfoldOptions options_of(const Context& c) {
   UnfoldOptions o;
   o.method = c.choice<unfolding::Method>("method");
   if (const auto v = c.optional_integer("classes")) o.classes = *v;
@@ -128,6 +128,27 @@ void compute(Context& c) {
   o.types = c.choice<Types>("types");
   o.bootstrap = c.integer("bootstrap");
   o.seed = c.seed();
+  return o;
+}
+
+// Tells how much the smallest profiles matter.
+void report_limit(Context& c, const Profiles& profiles, const KMatrix& kmatrix, const UnfoldOptions& o,
+                  const UnfoldResult& r) {
+  const auto limit = limit_sensitivity(profiles, kmatrix, o, r, c.work().part(0.9, 1));
+  if (!limit) return;
+  c.metric("smallest_class_share", limit->share);
+  c.metric("smallest_class_effect", limit->change);
+  if (std::abs(limit->change) > kLimitEffect)
+    c.warn(
+        fmt::format("without the profiles of the smallest class, below {:.3g} mm, N_V of all larger "
+                    "particles would be {:.0f} % {}: the photograph may miss small profiles or show "
+                    "false ones; compare with smallest_visible: {:.3g}",
+                    r.model.profile_edges[1], 100 * std::abs(limit->change),
+                    limit->change > 0 ? "higher" : "lower", r.model.profile_edges[1]));
+}
+
+void compute(Context& c) {
+  const UnfoldOptions o = options_of(c);
   const auto& profiles = c.input<Profiles>("profiles");
   const auto& kmatrix = c.input<KMatrix>("kmatrix");
   UnfoldResult r = unfolding::unfold(profiles, kmatrix, o, c.work().part(0, 0.9));
@@ -158,17 +179,7 @@ void compute(Context& c) {
   if (static_cast<int>(r.observations.used) < r.model.visible())
     c.warn(fmt::format("only {} profiles for {} classes: use fewer classes or a larger photograph",
                        r.observations.used, r.model.visible()));
-  if (!r.observations.relative)
-    if (const auto limit = limit_sensitivity(profiles, kmatrix, o, r, c.work().part(0.9, 1))) {
-      c.metric("smallest_class_share", limit->share), c.metric("smallest_class_effect", limit->change);
-      if (std::abs(limit->change) > kLimitEffect)
-        c.warn(
-            fmt::format("without the profiles of the smallest class, below {:.3g} mm, N_V of all larger "
-                        "particles would be {:.0f} % {}: the photograph may miss small profiles or show "
-                        "false ones; compare with smallest_visible: {:.3g}",
-                        r.model.profile_edges[1], 100 * std::abs(limit->change),
-                        limit->change > 0 ? "higher" : "lower", r.model.profile_edges[1]));
-    }
+  if (!r.observations.relative) report_limit(c, profiles, kmatrix, o, r);
   warn_of_shapes(c, r, kmatrix);
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
@@ -186,8 +197,9 @@ void compute(Context& c) {
   c.metric("median_size", summary.median);
   c.metric("geometric_mean", summary.geometric_mean);
   c.metric("geometric_sd", summary.geometric_sd);
-  c.metric("volume_d10", summary.d10), c.metric("volume_d50", summary.d50),
-      c.metric("volume_d90", summary.d90);
+  c.metric("volume_d10", summary.d10);
+  c.metric("volume_d50", summary.d50);
+  c.metric("volume_d90", summary.d90);
   c.output("table", table_of(r, summary));
   c.output("figure", figure_of(r, summary));
   c.output("distribution", std::move(r.distribution));
