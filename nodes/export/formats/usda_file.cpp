@@ -188,6 +188,45 @@ void add_end(UsdaText& text, const UsdaVolume& volume) {
   text.line(0, "}");
 }
 
+// As OpenUSD computes it: the transformed boxes of the prototypes.
+Eigen::AlignedBox3d extent_of(const Particles& particles, const Shapes& shapes,
+                              const std::vector<std::size_t>& solid) {
+  Eigen::AlignedBox3d extent;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  for (const Shape& s : shapes.shapes) boxes.push_back(box_of(s.mesh.vertices));
+  for (const std::size_t i : solid)
+    for (int c = 0; c < 8; ++c) {
+      const Vec3 corner = boxes[particles.shape[i]].corner(static_cast<Eigen::AlignedBox3d::CornerType>(c));
+      extent.extend(particles.position[i] +
+                    particles.orientation[i].normalized() * (particles.scale[i] * corner));
+    }
+  return extent;
+}
+
+// `solid`: the particles that are written. `prototype`: the number of each shape's prototype.
+void add_instances(UsdaText& text, const Particles& particles, const std::vector<std::size_t>& solid,
+                   const std::vector<int>& prototype) {
+  const std::size_t n = solid.size();
+  text.array(2, "int[] protoIndices", n, [&](std::size_t i) { return prototype[particles.shape[solid[i]]]; });
+  text.array(2, "int64[] ids", n, [&](std::size_t i) { return solid[i]; });
+  text.array(2, "point3f[] positions", n, [&](std::size_t i) { return tuple(particles.position[solid[i]]); });
+  text.array(2, "quath[] orientations", n, [&](std::size_t i) {
+    const Quat q = particles.orientation[solid[i]].normalized();
+    return fmt::format("({}, {}, {}, {})", half(q.w()), half(q.x()), half(q.y()), half(q.z()));
+  });
+  text.array(2, "float3[] scales", n,
+             [&](std::size_t i) { return tuple(Vec3::Constant(particles.scale[solid[i]])); });
+  text.array(
+      2, "color3f[] primvars:displayColor", n,
+      [&](std::size_t i) { return tuple(particles.color[solid[i]].cast<double>()); }, kPerInstance);
+  text.array(
+      2, "int[] primvars:class", n, [&](std::size_t i) { return particles.cls[solid[i]]; }, kPerInstance);
+  text.array(
+      2, "float[] primvars:size", n,
+      [&](std::size_t i) { return fmt::format("{}", static_cast<float>(particles.size[solid[i]])); },
+      kPerInstance);
+}
+
 }  // namespace
 
 void write_usda(const std::filesystem::path& path, const Particles& particles, const Shapes& shapes,
@@ -206,17 +245,7 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) solid.push_back(i);
 
-  // As OpenUSD computes it: the transformed boxes of the prototypes.
-  Eigen::AlignedBox3d extent;
-  std::vector<Eigen::AlignedBox3d> boxes;
-  for (const Shape& s : shapes.shapes) boxes.push_back(box_of(s.mesh.vertices));
-  for (const std::size_t i : solid)
-    for (int c = 0; c < 8; ++c) {
-      const Vec3 corner = boxes[particles.shape[i]].corner(static_cast<Eigen::AlignedBox3d::CornerType>(c));
-      extent.extend(particles.position[i] +
-                    particles.orientation[i].normalized() * (particles.scale[i] * corner));
-    }
-
+  const Eigen::AlignedBox3d extent = extent_of(particles, shapes, solid);
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
     UsdaText text(out, work);
@@ -229,27 +258,7 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
     text.line(2, fmt::format("float3[] extent = [{}, {}]", tuple(extent.min()), tuple(extent.max())));
     text.array(2, "rel prototypes", names.size(),
                [&](std::size_t i) { return fmt::format("</Aggregate/Particles/Prototypes/{}>", names[i]); });
-    const std::size_t n = solid.size();
-    text.array(2, "int[] protoIndices", n,
-               [&](std::size_t i) { return prototype[particles.shape[solid[i]]]; });
-    text.array(2, "int64[] ids", n, [&](std::size_t i) { return solid[i]; });
-    text.array(2, "point3f[] positions", n,
-               [&](std::size_t i) { return tuple(particles.position[solid[i]]); });
-    text.array(2, "quath[] orientations", n, [&](std::size_t i) {
-      const Quat q = particles.orientation[solid[i]].normalized();
-      return fmt::format("({}, {}, {}, {})", half(q.w()), half(q.x()), half(q.y()), half(q.z()));
-    });
-    text.array(2, "float3[] scales", n,
-               [&](std::size_t i) { return tuple(Vec3::Constant(particles.scale[solid[i]])); });
-    text.array(
-        2, "color3f[] primvars:displayColor", n,
-        [&](std::size_t i) { return tuple(particles.color[solid[i]].cast<double>()); }, kPerInstance);
-    text.array(
-        2, "int[] primvars:class", n, [&](std::size_t i) { return particles.cls[solid[i]]; }, kPerInstance);
-    text.array(
-        2, "float[] primvars:size", n,
-        [&](std::size_t i) { return fmt::format("{}", static_cast<float>(particles.size[solid[i]])); },
-        kPerInstance);
+    add_instances(text, particles, solid, prototype);
     text.line(0, "");
     text.line(2, "def Scope \"Prototypes\"");
     text.line(2, "{");

@@ -160,6 +160,44 @@ std::vector<std::filesystem::path> nifti_companions(const std::filesystem::path&
   return found;
 }
 
+namespace {
+
+// Not by nifti_image_load, which silently replaces NaN by 0.
+void read_voxels(const nifti_image& n, const NumberType& type, const std::filesystem::path& path,
+                 LoadedScan& s, const Work& work) {
+  const auto close = [](znzptr* f) {
+    znzFile open = f;
+    Xznzclose(&open);
+  };
+  std::unique_ptr<znzptr, decltype(close)> file(
+      n.iname ? znzopen(n.iname, "rb", nifti_is_gzfile(n.iname)) : nullptr, close);
+  if (!file || n.iname_offset < 0 ||
+      znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
+    throw unreadable(path, "the file contains no voxels");
+  std::vector<char> slab;
+  const std::size_t plane = static_cast<std::size_t>(s.size.x()) * s.size.y();
+  for (int z = 0; z < s.size.z(); ++z) {
+    work.check();
+    slab.resize(plane * static_cast<std::size_t>(n.nbyper));
+    if (znzread(slab.data(), 1, slab.size(), file.get()) != slab.size())
+      throw unreadable(path, fmt::format("it ends at slice {} of {}", z, s.size.z()));
+    append_numbers(s, type, std::string_view(slab.data(), slab.size()), path.string());
+    work.progress(static_cast<double>(z + 1) / s.size.z());
+  }
+  // A compressed file ends with a checksum, which zlib verifies only once all data is read.
+  slab.resize(1 << 16);
+  for (int block = 0; block < 16384; ++block) {
+    const auto read = znzread(slab.data(), 1, slab.size(), file.get());
+    if (read > slab.size()) throw unreadable(path, "its compressed data is damaged or truncated");
+    if (read == 0) break;
+    work.check();
+  }
+  znzFile last = file.release();
+  if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is truncated");
+}
+
+}  // namespace
+
 LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const Reading& reading) {
   nifti_set_debug_level(0);  // otherwise it prints to the terminal
   check_header(path);
@@ -190,36 +228,7 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
       2;  // MSB_FIRST, which the header defines only for the library itself
   type->big_endian = n.byteorder == most_significant_first;
 
-  // Not nifti_image_load, which silently replaces NaN by 0.
-  const auto close = [](znzptr* f) {
-    znzFile open = f;
-    Xznzclose(&open);
-  };
-  std::unique_ptr<znzptr, decltype(close)> file(
-      n.iname ? znzopen(n.iname, "rb", nifti_is_gzfile(n.iname)) : nullptr, close);
-  if (!file || n.iname_offset < 0 ||
-      znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
-    throw unreadable(path, "the file contains no voxels");
-  std::vector<char> slab;
-  const std::size_t plane = static_cast<std::size_t>(s.size.x()) * s.size.y();
-  for (int z = 0; z < s.size.z(); ++z) {
-    work.check();
-    slab.resize(plane * static_cast<std::size_t>(n.nbyper));
-    if (znzread(slab.data(), 1, slab.size(), file.get()) != slab.size())
-      throw unreadable(path, fmt::format("it ends at slice {} of {}", z, s.size.z()));
-    append_numbers(s, *type, std::string_view(slab.data(), slab.size()), path.string());
-    work.progress(static_cast<double>(z + 1) / s.size.z());
-  }
-  // A compressed file ends with a checksum, which zlib verifies only once all data is read.
-  slab.resize(1 << 16);
-  for (int block = 0; block < 16384; ++block) {
-    const auto read = znzread(slab.data(), 1, slab.size(), file.get());
-    if (read > slab.size()) throw unreadable(path, "its compressed data is damaged or truncated");
-    if (read == 0) break;
-    work.check();
-  }
-  znzFile last = file.release();
-  if (Xznzclose(&last) != 0) throw unreadable(path, "its compressed data is truncated");
+  read_voxels(n, *type, path, s, work);
   if (n.scl_slope != 0) {
     s.slope = n.scl_slope;
     s.intercept = n.scl_inter;

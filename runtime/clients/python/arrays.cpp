@@ -86,6 +86,50 @@ py::object image(const py::object& object, double pixel_size, bool srgb) {
   return to_python(Value::of(std::move(out)));
 }
 
+namespace {
+
+// Numbers the labels of one section by increasing value, after `last`. Returns the last number.
+std::int64_t number_labels(const std::vector<std::int64_t>& pixels, bool is_unsigned, std::int64_t last,
+                           std::int32_t* ids) {
+  std::vector<std::int64_t> values = pixels;
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+  if (values.front() < 0 && is_unsigned)
+    throw Error("bad-labels", fmt::format("a label is {}; the largest possible label is 2⁶³ − 1",
+                                          static_cast<std::uint64_t>(values.front())));
+  if (values.front() < 0)
+    throw Error("bad-labels",
+                fmt::format("a label is {}; 0 is binder, and particles are numbered from 1", values.front()));
+  if (values.front() == 0) values.erase(values.begin());
+  if (last + static_cast<std::int64_t>(values.size()) > std::numeric_limits<std::int32_t>::max())
+    throw Error("too-large", "the array has more than 2³¹ − 1 different labels");
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    if (pixels[i] != 0)
+      ids[i] = last + 1 + (std::lower_bound(values.begin(), values.end(), pixels[i]) - values.begin());
+  return last + static_cast<std::int64_t>(values.size());
+}
+
+void read_classes(const py::object& classes, std::vector<int>& out) {
+  const auto last = static_cast<std::int64_t>(out.size());
+  const py::array c = array_of(classes, "classes");
+  if (!is_whole(c) || c.ndim() != 1 || c.size() != last)
+    throw Error("wrong-shape",
+                fmt::format("classes must be {} whole numbers, one for each label, not {}", last, text_of(c)),
+                "order them by section, then by increasing label");
+  const auto list = numbers<std::int64_t>(c, "classes");
+  for (std::int64_t i = 0; i < last; ++i) {
+    const std::int64_t v = list.data()[i];
+    if (v < 0 && c.dtype().kind() == 'u')
+      throw Error("bad-labels",
+                  fmt::format("class {} is not in 0 to 1,000,000", static_cast<std::uint64_t>(v)));
+    if (v < 0 || v > 1'000'000)
+      throw Error("bad-labels", fmt::format("class {} is not in 0 to 1,000,000", v));
+    out[i] = v;
+  }
+}
+
+}  // namespace
+
 py::object labels(const py::object& object, double pixel_size, const py::object& classes) {
   const py::array a = array_of(object, "the labels");
   if (a.ndim() != 2 && a.ndim() != 3)
@@ -108,7 +152,7 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
   require_memory(static_cast<double>(n) * 4 + static_cast<double>(plane) * 16, available_memory(),
                  "the labels");
   out.ids.resize(n);
-  std::int64_t last = 0;  // number of the last profile
+  std::int64_t last = 0;
   const bool is_unsigned = a.dtype().kind() == 'u';
   {
     // As in LoadLabels: profiles are numbered by section, then by increasing value.
@@ -116,46 +160,13 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
     for (int s = 0; s < e.sections; ++s) {
       // A copy, since other threads may write to the array.
       const std::vector<std::int64_t> pixels(in + s * plane, in + (s + 1) * plane);
-      std::vector<std::int64_t> values = pixels;
-      std::sort(values.begin(), values.end());
-      values.erase(std::unique(values.begin(), values.end()), values.end());
-      if (values.front() < 0 && is_unsigned)
-        throw Error("bad-labels", fmt::format("a label is {}; the largest possible label is 2⁶³ − 1",
-                                              static_cast<std::uint64_t>(values.front())));
-      if (values.front() < 0)
-        throw Error("bad-labels", fmt::format("a label is {}; 0 is binder, and particles are numbered from 1",
-                                              values.front()));
-      if (values.front() == 0) values.erase(values.begin());
-      if (last + static_cast<std::int64_t>(values.size()) > std::numeric_limits<std::int32_t>::max())
-        throw Error("too-large", "the array has more than 2³¹ − 1 different labels");
-      for (std::size_t i = 0; i < plane; ++i)
-        if (pixels[i] != 0)
-          out.ids[s * plane + i] =
-              last + 1 + (std::lower_bound(values.begin(), values.end(), pixels[i]) - values.begin());
-      last += static_cast<std::int64_t>(values.size());
+      last = number_labels(pixels, is_unsigned, last, &out.ids[s * plane]);
     }
   }
   if (last == 0)
     throw Error("no-particles", "every label is 0", "number the pixels of each particle from 1; 0 is binder");
   out.classes.assign(static_cast<std::size_t>(last), 0);
-  if (!classes.is_none()) {
-    const py::array c = array_of(classes, "classes");
-    if (!is_whole(c) || c.ndim() != 1 || c.size() != last)
-      throw Error(
-          "wrong-shape",
-          fmt::format("classes must be {} whole numbers, one for each label, not {}", last, text_of(c)),
-          "order them by section, then by increasing label");
-    const auto list = numbers<std::int64_t>(c, "classes");
-    for (std::int64_t i = 0; i < last; ++i) {
-      const std::int64_t v = list.data()[i];
-      if (v < 0 && c.dtype().kind() == 'u')
-        throw Error("bad-labels",
-                    fmt::format("class {} is not in 0 to 1,000,000", static_cast<std::uint64_t>(v)));
-      if (v < 0 || v > 1'000'000)
-        throw Error("bad-labels", fmt::format("class {} is not in 0 to 1,000,000", v));
-      out.classes[i] = v;
-    }
-  }
+  if (!classes.is_none()) read_classes(classes, out.classes);
   return to_python(Value::of(std::move(out)));
 }
 

@@ -181,11 +181,49 @@ void bind_outputs(py::module_& m) {
            [](const OutputObject& o) { return fmt::format("<Output {}: {}>", o.text(), o.type); });
 }
 
+// Items, attributes and text, as Python wants them.
+void bind_node_protocol(py::class_<NodeObject>& c) {
+  c.def("__setitem__",
+        [](const NodeObject& n, const std::string& p, const py::object& value) {
+          graph_of(n.graph).set(n.name, {{{p, plain(value)}}, callers_place()});
+        })
+      .def("__getattr__",
+           [](const NodeObject& n, const std::string& port) {
+             if (port.rfind("__", 0) == 0 || port.rfind("_repr", 0) == 0 || port.rfind("_ipython", 0) == 0)
+               throw py::attribute_error(port);
+             return output(n, port);
+           })
+      .def("__setattr__",
+           [](const NodeObject&, const std::string& name, const py::object&) {
+             throw py::attribute_error(fmt::format(
+                 "'{}' cannot be assigned; set a parameter with node['{}'] = …, or connect an input "
+                 "with node.set({}=…)",
+                 name, name, name));
+           })
+      .def("__dir__",
+           [](const py::object& self) {
+             const auto& n = self.cast<const NodeObject&>();
+             py::list names = py::module_::import("builtins").attr("object").attr("__dir__")(self);
+             for (const auto& p : graph_of(n.graph).type_of(n.name).outputs) names.append(p.name);
+             return names;
+           })
+      .def("__eq__",
+           [](const NodeObject& a, const py::object& b) {
+             return py::isinstance<NodeObject>(b) && a.name == b.cast<const NodeObject&>().name &&
+                    a.graph.is(b.cast<const NodeObject&>().graph);
+           })
+      .def("__hash__", [](const NodeObject& n) { return py::hash(py::str(n.name)); })
+      .def("__repr__", [](const NodeObject& n) {
+        return fmt::format("<{} '{}'>", graph_of(n.graph).type_of(n.name).name, n.name);
+      });
+}
+
 void bind_nodes(py::module_& m) {
   using py::arg;
-  py::class_<NodeObject>(
-      m, "Node", "A node of a graph. Its outputs are attributes; its parameters are items: node['seed'] = 2.")
-      .def_readonly("graph", &NodeObject::graph, "The Graph.")
+  py::class_<NodeObject> c(
+      m, "Node",
+      "A node of a graph. Its outputs are attributes; its parameters are items: node['seed'] = 2.");
+  c.def_readonly("graph", &NodeObject::graph, "The Graph.")
       .def_readonly("name", &NodeObject::name, "Name in the graph.")
       .def_property_readonly(
           "type", [](const NodeObject& n) { return graph_of(n.graph).type_of(n.name).name; },
@@ -218,40 +256,8 @@ void bind_nodes(py::module_& m) {
       .def(
           "__getitem__",
           [](const NodeObject& n, const std::string& p) { return graph_of(n.graph).parameter(n.name, p); },
-          "The value of a parameter.")
-      .def("__setitem__",
-           [](const NodeObject& n, const std::string& p, const py::object& value) {
-             graph_of(n.graph).set(n.name, {{{p, plain(value)}}, callers_place()});
-           })
-      .def("__getattr__",
-           [](const NodeObject& n, const std::string& port) {
-             if (port.rfind("__", 0) == 0 || port.rfind("_repr", 0) == 0 || port.rfind("_ipython", 0) == 0)
-               throw py::attribute_error(port);
-             return output(n, port);
-           })
-      .def("__setattr__",
-           [](const NodeObject&, const std::string& name, const py::object&) {
-             throw py::attribute_error(fmt::format(
-                 "'{}' cannot be assigned; set a parameter with node['{}'] = …, or connect an input "
-                 "with node.set({}=…)",
-                 name, name, name));
-           })
-      .def("__dir__",
-           [](const py::object& self) {
-             const auto& n = self.cast<const NodeObject&>();
-             py::list names = py::module_::import("builtins").attr("object").attr("__dir__")(self);
-             for (const auto& p : graph_of(n.graph).type_of(n.name).outputs) names.append(p.name);
-             return names;
-           })
-      .def("__eq__",
-           [](const NodeObject& a, const py::object& b) {
-             return py::isinstance<NodeObject>(b) && a.name == b.cast<const NodeObject&>().name &&
-                    a.graph.is(b.cast<const NodeObject&>().graph);
-           })
-      .def("__hash__", [](const NodeObject& n) { return py::hash(py::str(n.name)); })
-      .def("__repr__", [](const NodeObject& n) {
-        return fmt::format("<{} '{}'>", graph_of(n.graph).type_of(n.name).name, n.name);
-      });
+          "The value of a parameter.");
+  bind_node_protocol(c);
 }
 
 // Opening, nodes and ports.
