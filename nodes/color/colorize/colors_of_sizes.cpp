@@ -35,13 +35,38 @@ double profile_likelihood(double profile, double size) {
   return below(profile + 0.05 * size) - below(profile - 0.05 * size);
 }
 
+namespace {
+
+// The shares of clusters in a bin and those near it. `from`: counts by bin and cluster. `all`: the shares in
+// all bins, to which few counts are drawn.
+std::vector<double> smooth_shares(std::size_t bin, const std::vector<std::vector<double>>& from,
+                                  const std::vector<double>& all) {
+  std::vector<double> near(all.size(), 0);
+  double sum = 0;
+  for (std::size_t d = 0; d < from.size(); ++d) {
+    const double apart = (static_cast<double>(bin) - d) / kSmooth;
+    const double part = std::exp(-0.5 * apart * apart);
+    for (std::size_t c = 0; c < all.size(); ++c) {
+      near[c] += part * from[d][c];
+      sum += part * from[d][c];
+    }
+  }
+  std::vector<double> share;
+  for (std::size_t c = 0; c < all.size(); ++c) share.push_back((near[c] + kPrior * all[c]) / (sum + kPrior));
+  return share;
+}
+
+}  // namespace
+
 ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const std::vector<double>& sizes,
                              std::uint64_t seed, const Work& work)
     : profiles_(profiles), expected_(profiles.size(), 0) {
   std::vector<Vec3> lab;
   std::vector<double> weights;
-  for (const ColoredProfile& p : profiles)
-    lab.push_back(linear_to_oklab(p.color).cast<double>()), weights.push_back(p.weight);
+  for (const ColoredProfile& p : profiles) {
+    lab.push_back(linear_to_oklab(p.color).cast<double>());
+    weights.push_back(p.weight);
+  }
   const int most = std::min(kClusters, std::max(1, static_cast<int>(profiles.size() / 3)));
   ColorClusters found = kmeans(lab, weights, most, seed, work.quiet());
   cluster_ = std::move(found.of);
@@ -85,19 +110,7 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
       for (std::size_t b = 0; b < kBins; ++b)
         from[b][c] += profiles[i].weight * of_one * shown[i][b] * share_[b][c] / sum;
     }
-    for (std::size_t b = 0; b < kBins; ++b) {
-      std::vector<double> near(clusters, 0);
-      double sum = 0;
-      for (std::size_t d = 0; d < kBins; ++d) {
-        const double apart = (static_cast<double>(b) - d) / kSmooth;
-        const double part = std::exp(-0.5 * apart * apart);
-        for (std::size_t c = 0; c < clusters; ++c) {
-          near[c] += part * from[d][c];
-          sum += part * from[d][c];
-        }
-      }
-      for (std::size_t c = 0; c < clusters; ++c) share_[b][c] = (near[c] + kPrior * all[c]) / (sum + kPrior);
-    }
+    for (std::size_t b = 0; b < kBins; ++b) share_[b] = smooth_shares(b, from, all);
   }
   work.parallel(profiles.size(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

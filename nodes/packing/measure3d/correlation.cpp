@@ -94,6 +94,20 @@ std::vector<double> paths_inside(const Raster& raster, int axis, int reach) {
   return out;
 }
 
+// Values at multiples of `spacing`, interpolated at multiples of `step`. Both in mm.
+std::vector<double> resampled(const std::vector<double>& values, double spacing, double step,
+                              std::size_t rows) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < rows; ++k) {
+    const double r = k * step / spacing;
+    const auto i = std::min(static_cast<std::size_t>(r), values.size() - 1),
+               j = std::min(i + 1, values.size() - 1);
+    const double t = r - i;
+    out.push_back((1 - t) * values[i] + t * values[j]);
+  }
+  return out;
+}
+
 }  // namespace
 
 Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& work) {
@@ -113,10 +127,8 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
   require_memory(8 * total, memory, "the Fourier transform of the volume");
   std::vector<Complex> field(static_cast<std::size_t>(total));
   const auto at = [&](int x, int y, int z) {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(padded.y()) +
-            static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(padded.x()) +
-           x;
+    const std::size_t row = static_cast<std::size_t>(z) * padded.y() + y;
+    return row * padded.x() + x;
   };
   for (int z = 0; z < n.z(); ++z)
     for (int y = 0; y < n.y(); ++y)
@@ -138,14 +150,8 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
       two.push_back(two_point(a == 0 ? k : 0, a == 1 ? k : 0, a == 2 ? k : 0));
       path[k] /= static_cast<double>(raster.count()) / n[a] * (wraps ? n[a] : n[a] - k);
     }
-    for (std::size_t k = 0; k < rows; ++k) {
-      const double r = k * out.step / spacing[a];
-      const auto i = std::min(static_cast<std::size_t>(r), two.size() - 1),
-                 j = std::min(i + 1, two.size() - 1);
-      const double t = r - i;
-      out.two_point[a].push_back((1 - t) * two[i] + t * two[j]);
-      out.lineal_path[a].push_back((1 - t) * path[i] + t * path[j]);
-    }
+    out.two_point[a] = resampled(two, spacing[a], out.step, rows);
+    out.lineal_path[a] = resampled(path, spacing[a], out.step, rows);
   }
   // All lags with dz ≥ 0: those with dz < 0 have the same values.
   std::vector<double> weight(rows, 0), value(rows, 0), length(rows, 0);

@@ -8,6 +8,32 @@ namespace terrazzo::shape_estimate {
 
 constexpr double kLittle = 0.98;  // less progress than this calls for new finite differences
 
+namespace {
+
+using Residuals = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+// Finite differences from `start`, where the residuals are `at`; backward where the forward ones fail.
+Eigen::MatrixXd slopes_at(const Residuals& residuals, const Eigen::VectorXd& start, const Eigen::VectorXd& at,
+                          double step, const Work& work) {
+  Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(at.size(), start.size());
+  work.parallel(start.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const Eigen::Index c = k;
+      for (const double h : {step, -step}) {
+        Eigen::VectorXd x = start;
+        x[c] += h;
+        const Eigen::VectorXd r = residuals(x);
+        if (!r.size()) continue;
+        slope.col(c) = (r - at) / h;
+        break;
+      }
+    }
+  });
+  return slope;
+}
+
+}  // namespace
+
 LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residuals,
                            const Eigen::VectorXd& start, const LeastSquaresOptions& o, const Work& work) {
   const double ridge = o.ridge * o.ridge;
@@ -22,20 +48,7 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
   int failures = 0;
   for (int round = 0; round < o.rounds; ++round) {
     work.check();
-    Eigen::MatrixXd slope = Eigen::MatrixXd::Zero(at.size(), n);
-    work.quiet().parallel(n, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) {
-        const Eigen::Index c = k;
-        for (const double h : {step, -step}) {
-          Eigen::VectorXd x = best.x;
-          x[c] += h;
-          const Eigen::VectorXd r = residuals(x);
-          if (!r.size()) continue;
-          slope.col(c) = (r - at) / h;
-          break;
-        }
-      }
-    });
+    Eigen::MatrixXd slope = slopes_at(residuals, best.x, at, step, work.quiet());
     bool improved = false;
     for (int move = 0; move <= o.updates; ++move) {
       const Eigen::MatrixXd square = slope.transpose() * slope;

@@ -121,6 +121,35 @@ double fill_memory(const Vec3i& size) {
   return voxels * (2.25 * kDims * sizeof(float) + 20 * sizeof(Vec3f) + 8 * sizeof(float));
 }
 
+namespace {
+
+// The problem in working colors.
+Level finest_level(const FillProblem& problem, const ColorMorph& colors, const Work& work) {
+  Level finest{{problem.a, problem.b}, problem.weight, problem.free, problem.known};
+  work.parallel(problem.free.at.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int solid = problem.weight.at[i] < 0.5f ? 0 : 1;  // the one that a known voxel comes from
+      finest.known.at[i] = colors.to_working(solid, problem.known.at[i]);
+      for (int k = 0; k < 2; ++k) {
+        Vec3f& v = finest.texture[k].at[i];
+        v = colors.to_working(k, v);
+      }
+    }
+  });
+  return finest;
+}
+
+// What patches are matched to on a level.
+MatchLevel sources_of(const Level& level, std::size_t solid, bool guided, bool tiles, const PatchSpace& space,
+                      const Work& work) {
+  MatchLevel out{level.texture[solid], {}, uses(level.weight, level.free, solid, guided, tiles)};
+  if (std::count(out.use.begin(), out.use.end(), Use::Free) > 0)
+    out.features = space.describe(out.texture, 1, work);
+  return out;
+}
+
+}  // namespace
+
 FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& work) {
   FillResult out;
   out.color = problem.known;
@@ -131,18 +160,7 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
   const ColorMorph colors(problem.a.at, problem.b.at);
   if (out.filled == 0) return out;
 
-  Level finest{{problem.a, problem.b}, problem.weight, free, problem.known};
-  work.quiet().parallel(free.at.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const int solid = problem.weight.at[i] < 0.5f ? 0 : 1;  // the one that a known voxel comes from
-      finest.known.at[i] = colors.to_working(solid, problem.known.at[i]);
-      for (int k = 0; k < 2; ++k) {
-        Vec3f& v = finest.texture[k].at[i];
-        v = colors.to_working(k, v);
-      }
-    }
-  });
-  std::vector<Level> levels = pyramid(std::move(finest));
+  std::vector<Level> levels = pyramid(finest_level(problem, colors, work.quiet()));
   out.levels = levels.size();
 
   std::array<Matches, 2> matches;
@@ -157,9 +175,7 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
     const PatchSpace space(level.texture[0], level.texture[1], kDims, s.seed);
     const std::array<Quantiles, 3> target = targets(level);
     for (std::size_t solid = 0; solid < 2; ++solid) {
-      MatchLevel fine{level.texture[solid], {}, uses(level.weight, level.free, solid, guided, problem.tiles)};
-      if (std::count(fine.use.begin(), fine.use.end(), Use::Free) > 0)
-        fine.features = space.describe(fine.texture, 1, work.quiet());
+      MatchLevel fine = sources_of(level, solid, guided, problem.tiles, space, work.quiet());
       matches[solid] = l == 0 ? first_matches(fine, s.seed + solid)
                               : carry_up(matches[solid], sources[solid].texture, fine);
       sources[solid] = std::move(fine);
