@@ -215,23 +215,36 @@ void drop_shapes(Canvas& c, double fill, const Sizes& sizes, const Family& famil
   }
 }
 
-// A power diagram (Aurenhammer 1987) with grooves of binder between its cells; some cells are binder.
-void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Work& work) {
-  struct Seed {
-    double x, y, weight;
-    bool binder;
-  };
-  std::vector<Seed> seeds;
+struct CellSeed {
+  double x, y, weight;
+  bool binder;
+
+  double power(double px, double py) const {
+    const double dx = px - x, dy = py - y;
+    return dx * dx + dy * dy - weight;
+  }
+};
+
+// Seeds of cells that cover the canvas; some are binder.
+std::vector<CellSeed> draw_seeds(const Canvas& c, double fill, const Sizes& sizes, Random& r) {
+  std::vector<CellSeed> seeds;
   const double area = static_cast<double>(c.width) * c.height;
   double sum = 0;
   const double binder = r.uniform() < 0.5 ? 0 : r.uniform(0, std::max(0.0, 0.95 - fill));
   while (sum < area && seeds.size() < 700) {
     const double radius = std::max(7.0, sizes.draw(r));
-    Seed s{r.uniform(-20, c.width + 20), r.uniform(-20, c.height + 20), radius * radius,
-           r.uniform() < binder};
+    CellSeed s{r.uniform(-20, c.width + 20), r.uniform(-20, c.height + 20), radius * radius,
+               r.uniform() < binder};
     sum += 3.0 * radius * radius;
     seeds.push_back(s);
   }
+  return seeds;
+}
+
+// A power diagram (Aurenhammer 1987) with grooves of binder between its cells; some cells are binder.
+void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Work& work) {
+  const double area = static_cast<double>(c.width) * c.height;
+  const std::vector<CellSeed> seeds = draw_seeds(c, fill, sizes, r);
   const double mean_radius = std::sqrt(area / (3.14 * seeds.size()));
   const double gap =
       fill > 0.93 && r.uniform() < 0.6 ? 0 : mean_radius * 2 * (1 - std::sqrt(std::min(0.98, fill)));
@@ -246,14 +259,12 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
     for (int bx = 0; bx < c.width; bx += kBlock) {
       work.check();
       for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-      const auto power = [&](std::size_t k, double x, double y) {
-        const double dx = x - seeds[k].x, dy = y - seeds[k].y;
-        return dx * dx + dy * dy - seeds[k].weight;
-      };
       const std::size_t near = std::min(kNearest, order.size());
-      std::partial_sort(order.begin(), order.begin() + near, order.end(), [&](std::size_t a, std::size_t b) {
-        return power(a, bx + kBlock / 2, by + kBlock / 2) < power(b, bx + kBlock / 2, by + kBlock / 2);
-      });
+      std::partial_sort(order.begin(), order.begin() + near, order.end(),
+                        [&](std::size_t a, std::size_t b) {
+                          return seeds[a].power(bx + kBlock / 2, by + kBlock / 2) <
+                                 seeds[b].power(bx + kBlock / 2, by + kBlock / 2);
+                        });
       for (int y = by; y < std::min(c.height, by + kBlock); ++y)
         for (int x = bx; x < std::min(c.width, bx + kBlock); ++x) {
           double wx = x, wy = y;
@@ -265,7 +276,7 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
           std::size_t first = 0, second = 0;
           for (std::size_t n = 0; n < near; ++n) {
             const std::size_t k = order[n];
-            const double d = power(k, wx, wy);
+            const double d = seeds[k].power(wx, wy);
             if (d < best) {
               next = best;
               second = first;

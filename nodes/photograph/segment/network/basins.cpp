@@ -100,71 +100,105 @@ void merge_open_neighbors(const NetworkMaps& m, const std::vector<std::int32_t>&
   }
 }
 
+bool is_particle(const NetworkMaps& m, std::int32_t i) {
+  return !(m.inside[i] <= kInside || m.not_material[i] > 0.5f);
+}
+
+// Floods the relief from the summits down; within a level, pixels next to a basin first.
+class Flood {
+ public:
+  explicit Flood(const NetworkMaps& m)
+      : m_(m),
+        relief_(m.inside.size(), 0.0f),
+        basin_(m.inside.size(), -1),
+        queued_(m.inside.size(), 0),
+        queue_(kLevels + 1) {}
+
+  void run(const Work& work) {
+    std::vector<std::vector<std::int32_t>> level(kLevels + 1);
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(relief_.size()); ++i) {
+      if (!is_particle(m_, i)) continue;
+      relief_[i] = relief_at(m_, i);
+      level[level_of(i)].push_back(i);
+    }
+    for (int now = kLevels; now >= 0; --now) {
+      if (now % 64 == 0) work.check();
+      drain(now);
+      for (const auto i : level[now]) {
+        if (basin_[i] >= 0 || queued_[i]) continue;
+        basin_[i] = basins_.add(relief_[i]);
+        queue_neighbors(i, now);
+        drain(now);
+      }
+    }
+  }
+
+  const std::vector<std::int32_t>& basin() const { return basin_; }  // of each pixel, or −1
+  Basins& basins() { return basins_; }
+
+ private:
+  int level_of(std::int32_t i) const {
+    return std::clamp(static_cast<int>(relief_[i] * kLevels), 0, kLevels);
+  }
+
+  void queue_neighbors(std::int32_t i, int now) {
+    neighbors(i, m_.width, m_.height, [&](std::int32_t j) {
+      if (basin_[j] >= 0 || queued_[j] || !is_particle(m_, j)) return;
+      queued_[j] = 1;
+      queue_[std::min(now, level_of(j))].push_back(j);
+    });
+  }
+
+  // Floods the queue of a level.
+  void drain(int now) {
+    for (std::size_t q = 0; q < queue_[now].size(); ++q) {
+      const std::int32_t i = queue_[now][q];
+      basin_[i] = join(i, std::min(relief_[i], static_cast<float>(now + 1) / kLevels));
+      queue_neighbors(i, now);
+    }
+    queue_[now].clear();
+  }
+
+  // Joins the basins around a pixel that are low, and returns the one that it belongs to.
+  std::int32_t join(std::int32_t i, float height) {
+    std::int32_t mine = -1;
+    neighbors(i, m_.width, m_.height, [&](std::int32_t j) {
+      if (basin_[j] < 0) return;
+      const std::int32_t other = basins_.root(basin_[j]);
+      if (mine < 0) {
+        mine = other;
+      } else if (mine != other) {
+        const std::int32_t low = basins_.summit(mine) < basins_.summit(other) ? mine : other;
+        if (basins_.summit(low) - height < kDynamics) {
+          basins_.merge(mine, other);
+          mine = basins_.root(mine);
+        } else if (relief_[j] > height && basins_.summit(other) > basins_.summit(mine)) {
+          mine = other;
+        }
+      }
+    });
+    return mine;
+  }
+
+  const NetworkMaps& m_;
+  std::vector<float> relief_;
+  Basins basins_;
+  std::vector<std::int32_t> basin_;
+  std::vector<std::uint8_t> queued_;
+  std::vector<std::vector<std::int32_t>> queue_;
+};
+
 }  // namespace
 
 std::vector<std::int32_t> find_basins(const NetworkMaps& m, const Work& work) {
-  const std::int32_t n = m.inside.size();
-  std::vector<float> relief(n, 0.0f);
-  std::vector<std::vector<std::int32_t>> level(kLevels + 1);
-  for (std::int32_t i = 0; i < n; ++i) {
-    if (m.inside[i] <= kInside || m.not_material[i] > 0.5f) continue;
-    relief[i] = relief_at(m, i);
-    level[std::clamp(static_cast<int>(relief[i] * kLevels), 0, kLevels)].push_back(i);
-  }
-  // Flood from the summits down; within a level, pixels next to a basin first.
-  Basins basins;
-  std::vector<std::int32_t> basin(n, -1);
-  std::vector<std::uint8_t> queued(n, 0);
-  std::vector<std::vector<std::int32_t>> queue(kLevels + 1);
-  const auto level_of = [&](std::int32_t i) {
-    return std::clamp(static_cast<int>(relief[i] * kLevels), 0, kLevels);
-  };
-  const auto flooded = [&](std::int32_t i, int now) {
-    neighbors(i, m.width, m.height, [&](std::int32_t j) {
-      if (basin[j] >= 0 || queued[j] || m.inside[j] <= kInside || m.not_material[j] > 0.5f) return;
-      queued[j] = 1;
-      queue[std::min(now, level_of(j))].push_back(j);
-    });
-  };
-  for (int now = kLevels; now >= 0; --now) {
-    if (now % 64 == 0) work.check();
-    const auto drain = [&] {
-      for (std::size_t q = 0; q < queue[now].size(); ++q) {
-        const std::int32_t i = queue[now][q];
-        const float height = std::min(relief[i], static_cast<float>(now + 1) / kLevels);
-        std::int32_t mine = -1;
-        neighbors(i, m.width, m.height, [&](std::int32_t j) {
-          if (basin[j] < 0) return;
-          const std::int32_t other = basins.root(basin[j]);
-          if (mine < 0) {
-            mine = other;
-          } else if (mine != other) {
-            const std::int32_t low = basins.summit(mine) < basins.summit(other) ? mine : other;
-            if (basins.summit(low) - height < kDynamics) {
-              basins.merge(mine, other);
-              mine = basins.root(mine);
-            } else if (relief[j] > height && basins.summit(other) > basins.summit(mine)) {
-              mine = other;
-            }
-          }
-        });
-        basin[i] = mine;
-        flooded(i, now);
-      }
-      queue[now].clear();
-    };
-    drain();
-    for (const auto i : level[now]) {
-      if (basin[i] >= 0 || queued[i]) continue;
-      basin[i] = basins.add(relief[i]);
-      flooded(i, now);
-      drain();
-    }
-  }
+  Flood flood(m);
+  flood.run(work);
+  const std::vector<std::int32_t>& basin = flood.basin();
+  Basins& basins = flood.basins();
   merge_open_neighbors(m, basin, basins);
-  std::vector<std::int32_t> labels(n, 0), number(basins.size(), 0);
+  std::vector<std::int32_t> labels(basin.size(), 0), number(basins.size(), 0);
   std::int32_t count = 0;
-  for (std::int32_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < basin.size(); ++i) {
     if (basin[i] < 0) continue;
     const std::int32_t root = basins.root(basin[i]);
     if (basins.summit(root) < kSummit) continue;
