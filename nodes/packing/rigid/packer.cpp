@@ -176,6 +176,31 @@ void Packer::anneal_and_audit(double start_shrink, double steps, const Work& wor
   }
 }
 
+void Packer::fill_result() {
+  result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
+  if (!index_.empty()) sort(original_order());
+  result_.particles = placed(population_.particles, packing_);
+  result_.size_class = population_.size_class;
+  result_.expected = population_.expected;
+  result_.requested_fraction = population_.requested_fraction;
+  result_.left_out_fraction = population_.left_out_fraction;
+  result_.steps = budget_.used;
+  result_.max_penetration = audit_.worst;
+  result_.shrink = goal_ * packing_.shrink;
+  result_.kept = population_.kept;
+  result_.notes = population_.notes;
+  if (result_.shrink < 1)
+    result_.notes.push_back(
+        fmt::format("the particles jammed: all were shrunk to {:.4f} of their size, which reduces the volume "
+                    "fraction to {:.3f}; {:.3f} was requested",
+                    result_.shrink, fraction(), result_.requested_fraction));
+  if (result_.dropped > 0)
+    result_.notes.push_back(
+        fmt::format("the particles jammed: {} were removed, which reduces the volume fraction to {:.3f}; "
+                    "{:.3f} was requested",
+                    result_.dropped, fraction(), result_.requested_fraction));
+}
+
 PackResult Packer::run() {
   // Particles that may shrink or be left out can have any density, unless gaps alone fill the box.
   const double gap = options_.population.binder_gap;
@@ -219,30 +244,7 @@ PackResult Packer::run() {
                     audit_.worst),
         "raise `iterations` or lower the volume fraction");
 
-  result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
-  if (!index_.empty()) {
-    sort(original_order());
-  }
-  result_.particles = placed(population_.particles, packing_);
-  result_.size_class = population_.size_class;
-  result_.expected = population_.expected;
-  result_.requested_fraction = population_.requested_fraction;
-  result_.left_out_fraction = population_.left_out_fraction;
-  result_.steps = budget_.used;
-  result_.max_penetration = audit_.worst;
-  result_.shrink = goal_ * packing_.shrink;
-  result_.kept = population_.kept;
-  result_.notes = population_.notes;
-  if (result_.shrink < 1)
-    result_.notes.push_back(
-        fmt::format("the particles jammed: all were shrunk to {:.4f} of their size, which reduces the volume "
-                    "fraction to {:.3f}; {:.3f} was requested",
-                    result_.shrink, fraction(), result_.requested_fraction));
-  if (result_.dropped > 0)
-    result_.notes.push_back(
-        fmt::format("the particles jammed: {} were removed, which reduces the volume fraction to {:.3f}; "
-                    "{:.3f} was requested",
-                    result_.dropped, fraction(), result_.requested_fraction));
+  fill_result();
   return std::move(result_);
 }
 

@@ -66,6 +66,7 @@ class Packer {
   void remove(const std::vector<bool>& keep);
   void drop(const Work& work);
   void remove_overlapping();
+  void fill_result();
 
   double volume_of(std::size_t i) const {
     const Particles& p = population_.particles;

@@ -146,11 +146,10 @@ class Editor {
     return all ? "" : "there is no particle at one of its points";
   }
 
-  std::string split(const Edit& e) {
-    Labels& l = out_.labels;
-    // The pixels under the line, and the particle with most of them.
+  // The pixels of particles under the line of an edit, in its order.
+  std::vector<std::size_t> pixels_under(const Edit& e) const {
+    const Labels& l = out_.labels;
     std::vector<std::size_t> line;
-    std::map<std::int32_t, std::size_t> crossed;
     for (std::size_t k = 0; k + 1 < e.points.size(); ++k) {
       // Only the part within the picture cuts, so that a line of any length takes bounded time.
       Vec2 from = e.points[k], to = e.points[k + 1];
@@ -161,11 +160,16 @@ class Editor {
         if (label_at(p, e.section) == 0) continue;
         const std::size_t i =
             l.index(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())), e.section);
-        if (!line.empty() && line.back() == i) continue;
-        line.push_back(i);
-        ++crossed[l.ids[i]];
+        if (line.empty() || line.back() != i) line.push_back(i);
       }
     }
+    return line;
+  }
+
+  // The particle with most of these pixels, or 0.
+  std::int32_t most_crossed(const std::vector<std::size_t>& line) const {
+    std::map<std::int32_t, std::size_t> crossed;
+    for (const std::size_t i : line) ++crossed[out_.labels.ids[i]];
     std::int32_t target = 0;
     std::size_t most = 0;
     for (const auto& [id, n] : crossed)
@@ -173,6 +177,13 @@ class Editor {
         target = id;
         most = n;
       }
+    return target;
+  }
+
+  std::string split(const Edit& e) {
+    Labels& l = out_.labels;
+    const std::vector<std::size_t> line = pixels_under(e);
+    const std::int32_t target = most_crossed(line);
     if (target == 0) return "the line meets no particle";
     std::vector<std::uint8_t> cut(l.ids.size(), 0);
     for (const auto i : line)

@@ -58,6 +58,24 @@ cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, c
   return light;
 }
 
+// Least squares with Huber's weights, so that highlights, specks and veins don't bend the fit.
+Eigen::Vector4d fit_shading(const std::vector<Eigen::Vector4d>& basis, const std::vector<float>& light,
+                            float middle, float spread) {
+  const std::size_t n = basis.size();
+  Eigen::Vector4d fit(middle, 0, 0, 0);
+  for (int round = 0; round < 4; ++round) {
+    Eigen::Matrix4d a = 1e-6 * n * Eigen::Matrix4d::Identity();
+    Eigen::Vector4d b = Eigen::Vector4d::Zero();
+    for (std::size_t k = 0; k < n; ++k) {
+      const double off = std::abs(light[k] - basis[k].dot(fit)), share = off > spread ? spread / off : 1;
+      a += share * basis[k] * basis[k].transpose();
+      b += share * light[k] * basis[k];
+    }
+    fit = a.ldlt().solve(b);
+  }
+  return fit;
+}
+
 // Evens out the shading of one particle.
 void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, int width,
              const std::vector<float>& depth2) {
@@ -88,18 +106,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
     basis[k] = {1, (begin[k] % width - cx) / radius, (begin[k] / width - cy) / radius,
                 std::sqrt(d * (2 - d))};
   }
-  // Least squares with Huber's weights, so that highlights, specks and veins don't bend the fit.
-  Eigen::Vector4d fit(middle, 0, 0, 0);
-  for (int round = 0; round < 4; ++round) {
-    Eigen::Matrix4d a = 1e-6 * n * Eigen::Matrix4d::Identity();
-    Eigen::Vector4d b = Eigen::Vector4d::Zero();
-    for (std::size_t k = 0; k < n; ++k) {
-      const double off = std::abs(light[k] - basis[k].dot(fit)), share = off > spread ? spread / off : 1;
-      a += share * basis[k] * basis[k].transpose();
-      b += share * light[k] * basis[k];
-    }
-    fit = a.ldlt().solve(b);
-  }
+  const Eigen::Vector4d fit = fit_shading(basis, light, middle, spread);
   double before = 0, after = 0;
   std::vector<float> values(n);
   for (std::size_t k = 0; k < n; ++k) {
