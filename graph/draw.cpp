@@ -100,14 +100,24 @@ std::string draw_mermaid(const Graph& graph) {
   return out;
 }
 
-std::string draw_svg(const Graph& graph) {
-  const Drawing g = drawing_of(graph);
+namespace {
+
+// Where nodes are drawn.
+struct Layers {
+  std::vector<int> layer;                           // of each node
+  std::vector<double> row;                          // of each node within its layer
+  std::map<int, std::vector<std::size_t>> members;  // of each layer, by row
+};
+
+// Puts every node behind its inputs, and sorts layers by the rows of their neighbors.
+Layers layers_of(const Drawing& g) {
   const std::size_t n = g.nodes.size();
-  std::vector<int> layer(n, 0);
+  Layers out{std::vector<int>(n, 0), std::vector<double>(n, 0), {}};
+  std::vector<int>& layer = out.layer;
+  std::vector<double>& row = out.row;
+  auto& layers = out.members;
   for (const auto& w : g.wires) layer[w.to] = std::max(layer[w.to], layer[w.from] + 1);
-  std::map<int, std::vector<std::size_t>> layers;
   for (std::size_t i = 0; i < n; ++i) layers[layer[i]].push_back(i);
-  std::vector<double> row(n, 0);
   for (auto& [l, members] : layers)
     for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = k;
   for (int sweep = 0; sweep < 8; ++sweep)
@@ -131,12 +141,23 @@ std::string draw_svg(const Graph& graph) {
                        [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
       for (std::size_t k = 0; k < members.size(); ++k) row[members[k]] = k;
     }
+  return out;
+}
+
+}  // namespace
+
+std::string draw_svg(const Graph& graph) {
+  const Drawing g = drawing_of(graph);
+  const Layers placed = layers_of(g);
+  const std::vector<int>& layer = placed.layer;
+  const std::vector<double>& row = placed.row;
+  const auto& layers = placed.members;
   constexpr double width = 150, height = 44, gap_x = 70, gap_y = 22, margin = 20;
   std::size_t tallest = 1;
   for (const auto& [l, members] : layers) tallest = std::max(tallest, members.size());
   const auto x = [&](std::size_t i) { return margin + layer[i] * (width + gap_x); };
   const auto y = [&](std::size_t i) {
-    const double spare = (tallest - layers[layer[i]].size()) * (height + gap_y) / 2;
+    const double spare = (tallest - layers.at(layer[i]).size()) * (height + gap_y) / 2;
     return margin + spare + row[i] * (height + gap_y);
   };
   const double total_x = 2 * margin + layers.size() * (width + gap_x) - gap_x;
@@ -153,7 +174,7 @@ std::string draw_svg(const Graph& graph) {
         "stroke=\"#7a8794\" stroke-width=\"1.4\"><title>{}</title></path>\n",
         x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escape_xml(w.output));
   }
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < g.nodes.size(); ++i)
     out += fmt::format(
         "<g><rect x=\"{0:.1f}\" y=\"{1:.1f}\" width=\"{2}\" height=\"{3}\" rx=\"7\" fill=\"#f3f5f7\" "
         "stroke=\"#4a5662\"/>"

@@ -32,6 +32,22 @@ std::string chosen_grid(const Volume& volume, const std::string& name) {
       .parameter("grid");
 }
 
+// The values of planes z0 … z1 − 1. Distances become coverages; `voxel`: mean edge of a voxel, mm.
+std::vector<float> read_values(const VoxelSource& source, int z0, int z1, std::size_t plane, double voxel) {
+  std::vector<float> values;
+  if (source.yes_no()) {
+    std::vector<std::int32_t> flags((z1 - z0) * plane);
+    source.read(z0, z1, flags.data());
+    values.assign(flags.begin(), flags.end());
+  } else {
+    values.resize((z1 - z0) * plane);
+    source.read(z0, z1, values.data());
+  }
+  if (source.level_set())
+    for (float& v : values) v = coverage_of(v, voxel);
+  return values;
+}
+
 }  // namespace
 
 Raster read_raster(const Volume& volume, const std::string& name, const Particles* particles, Phase phase,
@@ -60,20 +76,10 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
       [&](std::size_t begin, std::size_t end) {
         Sum part{0, -1};
         std::vector<float> values;
-        std::vector<std::int32_t> flags;
-        const int z0 = begin, z1 = end;
-        if (labels) {
-          source.read(z0, z1, out.ids.data() + begin * plane);
-        } else if (source.yes_no()) {
-          flags.resize((end - begin) * plane);
-          source.read(z0, z1, flags.data());
-          values.assign(flags.begin(), flags.end());
-        } else {
-          values.resize((end - begin) * plane);
-          source.read(z0, z1, values.data());
-        }
-        if (source.level_set())
-          for (float& v : values) v = coverage_of(v, voxel);
+        if (labels)
+          source.read(static_cast<int>(begin), static_cast<int>(end), out.ids.data() + begin * plane);
+        else
+          values = read_values(source, begin, end, plane, voxel);
         for (std::size_t i = begin * plane; i < end * plane; ++i) {
           bool in = false;
           if (labels) {

@@ -57,6 +57,41 @@ struct Rim {
   double gradient = 0, difference = 0;    // sums along the free part
 };
 
+// Calls see(from, to) for neighbor pixels of different patches, in both directions.
+template <class See>
+void each_border(const Mosaic& m, See&& see) {
+  for (int y = 0; y < m.height; ++y)
+    for (int x = 0; x < m.width; ++x) {
+      const std::size_t i = m.index(x, y);
+      if (x + 1 < m.width && m.patches[i] != m.patches[i + 1]) {
+        see(i, i + 1);
+        see(i + 1, i);
+      }
+      if (y + 1 < m.height && m.patches[i] != m.patches[i + m.width]) {
+        see(i, i + m.width);
+        see(i + m.width, i);
+      }
+    }
+}
+
+// A mottled body is close to the binder's color in places. So patches that stand out half as far join if
+// more than half of their outline borders added patches.
+void join_mottled(const Mosaic& m, const std::vector<float>& odd, std::vector<bool>& added) {
+  const std::size_t n = odd.size();
+  for (int round = 0; round < 3; ++round) {
+    std::vector<double> outline(n, 0), along(n, 0);
+    each_border(m, [&](std::size_t from, std::size_t to) {
+      const std::int32_t a = m.patches[from] - 1, b = m.patches[to] - 1;
+      outline[a] += 1;
+      along[a] += added[b];
+    });
+    bool any = false;
+    for (std::size_t k = 0; k < n; ++k)
+      if (!added[k] && odd[k] > 0.5f && along[k] > 0.5 * outline[k]) added[k] = any = true;
+    if (!any) break;
+  }
+}
+
 }  // namespace
 
 void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std::vector<bool>& is_particle,
@@ -78,16 +113,7 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
   const auto pieces = measure_pieces(bodies.ids, m.width, m.height);
   const auto gradient = gradient_of(m.smooth);
   std::vector<Rim> rims(pieces.size());
-  const auto each_border = [&](auto&& see) {
-    for (int y = 0; y < m.height; ++y)
-      for (int x = 0; x < m.width; ++x) {
-        const std::size_t i = m.index(x, y);
-        if (x + 1 < m.width && m.patches[i] != m.patches[i + 1]) see(i, i + 1), see(i + 1, i);
-        if (y + 1 < m.height && m.patches[i] != m.patches[i + m.width])
-          see(i, i + m.width), see(i + m.width, i);
-      }
-  };
-  each_border([&](std::size_t from, std::size_t to) {
+  each_border(m, [&](std::size_t from, std::size_t to) {
     if (bodies.ids[from] == 0 || bodies.ids[to] == bodies.ids[from]) return;
     Rim& r = rims[bodies.ids[from] - 1];
     const std::int32_t a = m.patches[from] - 1, b = m.patches[to] - 1;
@@ -108,20 +134,7 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
         r.beside_particles <= 0.4 * (r.free + r.beside_particles) && r.gradient > r.difference / edge_width)
       added[m.patches[i] - 1] = true;
   }
-  // A mottled body is close to the binder's color in places. So patches that stand out half as far join if
-  // more than half of their outline borders added patches.
-  for (int round = 0; round < 3; ++round) {
-    std::vector<double> outline(n, 0), along(n, 0);
-    each_border([&](std::size_t from, std::size_t to) {
-      const std::int32_t a = m.patches[from] - 1, b = m.patches[to] - 1;
-      outline[a] += 1;
-      along[a] += added[b];
-    });
-    bool any = false;
-    for (std::size_t k = 0; k < n; ++k)
-      if (!added[k] && odd[k] > 0.5f && along[k] > 0.5 * outline[k]) added[k] = any = true;
-    if (!any) break;
-  }
+  join_mottled(m, odd, added);
   for (std::size_t k = 0; k < n; ++k)
     if (added[k]) is_particle[k] = true;
 }

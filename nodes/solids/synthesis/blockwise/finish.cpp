@@ -44,6 +44,32 @@ void split_slice(const BlockRegion& region, int channel, int axis, int slice, co
   bands.split(w, h);
 }
 
+// The maps of the bands of all slices across an axis, from what a box has to what is wanted.
+std::vector<ValueMap> band_maps(const std::vector<Quantiles>& wanted, int channel, int axis,
+                                const TorusBox& measured, const BlockRegion& region, const Work& work) {
+  const Vec3i extent = measured.size();
+  const std::size_t slices = extent[axis];
+  const std::size_t each = voxels(extent) / slices;
+  std::array<std::vector<float>, kFinishBands> seen;
+  for (auto& values : seen) values.resize(each * slices);
+  work.parallel(slices, 4, [&](std::size_t begin, std::size_t end) {
+    FinestBands bands;
+    for (std::size_t s = begin; s < end; ++s) {
+      split_slice(region, channel, axis, measured.lo[axis] + static_cast<int>(s), measured, bands);
+      for (std::size_t b = 0; b < kFinishBands; ++b)
+        std::copy(bands.band[b].begin(), bands.band[b].end(),
+                  seen[b].begin() + static_cast<std::ptrdiff_t>(s * each));
+    }
+  });
+  std::array<std::optional<ValueMap>, kFinishBands> fixed;
+  work.parallel(kFinishBands, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) fixed[b].emplace(seen[b], wanted[b]);
+  });
+  std::vector<ValueMap> out;
+  for (const auto& m : fixed) out.push_back(*m);
+  return out;
+}
+
 }  // namespace
 
 void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
@@ -52,27 +78,8 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
   const std::size_t c = channel;
   if (measured) {
     maps.bands.clear();
-    for (const NeighborField& f : region.families) {
-      const Vec3i extent = measured->size();
-      const std::size_t slices = extent[f.axis];
-      const std::size_t each = voxels(extent) / slices;
-      std::array<std::vector<float>, kFinishBands> seen;
-      for (auto& values : seen) values.resize(each * slices);
-      work.parallel(slices, 4, [&](std::size_t begin, std::size_t end) {
-        FinestBands bands;
-        for (std::size_t s = begin; s < end; ++s) {
-          split_slice(region, channel, f.axis, measured->lo[f.axis] + static_cast<int>(s), *measured, bands);
-          for (std::size_t b = 0; b < kFinishBands; ++b)
-            std::copy(bands.band[b].begin(), bands.band[b].end(), seen[b].begin() + (s * each));
-        }
-      });
-      std::array<std::optional<ValueMap>, kFinishBands> fixed;
-      work.parallel(kFinishBands, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) fixed[b].emplace(seen[b], wanted[f.exemplar][c][b]);
-      });
-      maps.bands.emplace_back();
-      for (const auto& m : fixed) maps.bands.back().push_back(*m);
-    }
+    for (const NeighborField& f : region.families)
+      maps.bands.push_back(band_maps(wanted[f.exemplar][c], channel, f.axis, *measured, region, work));
   }
   const float share = finish_share(region.families.size());
   const Strides strides(region);
