@@ -83,11 +83,8 @@ struct BlockGl::Gl {
   }
 };
 
-namespace {
-
 // An array on the device, freed with this object.
-template <class Gl>
-struct Buffer {
+struct BlockGl::Buffer {
   const Gl& gl;
   GLuint name = 0;
   std::size_t bytes = 0;
@@ -140,7 +137,7 @@ struct Buffer {
 };
 
 // All tables of the three lines in one buffer, and where each begins.
-struct LineTables {
+struct BlockGl::LineTables {
   std::vector<int> numbers;
   std::array<int, 3> starts{}, covers{}, voxels{}, patches{};
 
@@ -164,9 +161,8 @@ struct LineTables {
 };
 
 // The search's tables for one exemplar.
-template <class Gl>
-struct ExemplarBuffers {
-  Buffer<Gl> features, similar, model;
+struct BlockGl::ExemplarBuffers {
+  Buffer features, similar, model;
   int bias_at, penalty_at;
 
   ExemplarBuffers(const Gl& gl, const ExemplarLevel& e, const std::vector<float>& penalty)
@@ -181,8 +177,6 @@ struct ExemplarBuffers {
     model.fill(m);
   }
 };
-
-}  // namespace
 
 BlockGl::BlockGl(GlDevice device) : gl_(std::make_unique<Gl>(device)) {
   gl_->search = make_gl_program(gl_->context, "solid_search.comp", kHint);
@@ -221,7 +215,7 @@ class BlockGl::Run {
   // Turns squared distances into weights.
   void weigh(std::size_t i, std::size_t k);
   // Copies what lies beyond one period of closed lines from its originals.
-  void copy_beyond(const Buffer<Gl>& what, std::size_t first, const Vec3i& size, const Vec3i& at);
+  void copy_beyond(const Buffer& what, std::size_t first, const Vec3i& size, const Vec3i& at);
 
   // The patches of a family over a box: columns, rows and slices.
   struct PatchBox {
@@ -237,8 +231,8 @@ class BlockGl::Run {
   const TorusLines& lines_;
   std::size_t channels_, voxels_;
   LineTables tables_;
-  Buffer<Gl> field_, matches_, next_, weight_, numbers_, texels_, maps_, table_;
-  std::vector<ExemplarBuffers<Gl>> exemplars_;
+  Buffer field_, matches_, next_, weight_, numbers_, texels_, maps_, table_;
+  std::vector<ExemplarBuffers> exemplars_;
   std::vector<int> first_texel_;          // of each exemplar
   std::vector<std::size_t> first_match_;  // of each family
 };
@@ -311,8 +305,7 @@ void BlockGl::Run::download_matches() {
     matches_.read(first_match_[k] * sizeof(std::uint32_t), region_.families[k].at);
 }
 
-void BlockGl::Run::copy_beyond(const Buffer<Gl>& what, std::size_t first, const Vec3i& size,
-                               const Vec3i& at) {
+void BlockGl::Run::copy_beyond(const Buffer& what, std::size_t first, const Vec3i& size, const Vec3i& at) {
   if (!lines_[0].closed && !lines_[1].closed && !lines_[2].closed) return;
   gl_.use(gl_.copy);
   what.bind(0);
@@ -433,7 +426,7 @@ void BlockGl::Run::search(std::size_t i, std::size_t k, const Work& work) {
 
 void BlockGl::Run::set_exemplar(const NeighborField& f) {
   const ExemplarLevel& exemplar = *passes_.exemplars[f.exemplar];
-  const ExemplarBuffers<Gl>& buffers = exemplars_[f.exemplar];
+  const ExemplarBuffers& buffers = exemplars_[f.exemplar];
   buffers.features.bind(5);
   buffers.similar.bind(6);
   buffers.model.bind(7);

@@ -25,6 +25,9 @@ class BlockGl {
 
  private:
   struct Gl;
+  struct Buffer;
+  struct LineTables;
+  struct ExemplarBuffers;
   class Run;
   std::unique_ptr<Gl> gl_;
 };
