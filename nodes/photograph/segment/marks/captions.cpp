@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/photograph/segment/marks/frame.h"
 #include "nodes/photograph/segment/marks/levels.h"
 #include "nodes/photograph/segment/marks/text_lines.h"
 #include "nodes/photograph/segment/marks/text_panel.h"
@@ -127,6 +128,8 @@ std::vector<cv::Rect> find_captions(const cv::Mat& levels) {
   if (const int n = strip_height(turned)) found.emplace_back(0, 0, n, h);
   cv::rotate(levels, turned, cv::ROTATE_90_CLOCKWISE);
   if (const int n = strip_height(turned)) found.emplace_back(w - n, 0, n, h);
+  const std::vector<cv::Rect> frame = find_frame(levels, found);
+  found.insert(found.end(), frame.begin(), frame.end());
   const std::vector<cv::Rect> panels = find_text_panels(levels, found);
   found.insert(found.end(), panels.begin(), panels.end());
   return found;

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::segment {
 namespace {
 
@@ -189,8 +191,7 @@ std::vector<Comb> combs_of(const std::vector<Run>& runs, double angle) {
 
 TurnedFrame::TurnedFrame(const cv::Size& picture, double turn) : angle(turn) {
   const double c = std::cos(turn), s = std::sin(turn), w = picture.width, h = picture.height;
-  size = {static_cast<int>(std::ceil(w * std::abs(c) + h * std::abs(s))),
-          static_cast<int>(std::ceil(w * std::abs(s) + h * std::abs(c)))};
+  size = {round_up(w * std::abs(c) + h * std::abs(s)), round_up(w * std::abs(s) + h * std::abs(c))};
   const double x = (size.width - 1) / 2.0, y = (size.height - 1) / 2.0, u = (w - 1) / 2, v = (h - 1) / 2;
   to_frame = {c, s, x - c * u - s * v, -s, c, y + s * u - c * v};
   to_picture = {c, -s, u - c * x + s * y, s, c, v - s * x - c * y};

@@ -8,6 +8,7 @@
 #include "graph/text/read_number.h"
 #include "nodes/common/texture/footprint.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::segment {
 
@@ -31,7 +32,7 @@ IgnoredPixels ignored_pixels(const Image& image, const std::vector<Area>& areas,
     require_equal_size(*mask, "the mask has", image, "the image has", "connect a mask of the same image");
   if (areas.empty() && !mask) return {};
   IgnoredPixels out(image.pixels.size(), 0);
-  const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t size = pixels_in(image.width, image.height);
   for (const Area& area : areas)
     for (const auto i : surrounded(image.width, image.height, {area})) out[i] = 1;
   for (int s = 1; s < image.sections; ++s) std::copy_n(out.begin(), size, out.begin() + (size * s));
@@ -73,8 +74,7 @@ Positions::Positions(const std::uint8_t* ignored, int width, int height)
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y + 1) * (width + 1) + x + 1;
-      sums_[i] = sums_[i - 1] + sums_[i - width - 1] - sums_[i - width - 2] +
-                 ignored[static_cast<std::size_t>(y) * width + x];
+      sums_[i] = sums_[i - 1] + sums_[i - width - 1] - sums_[i - width - 2] + ignored[pixel_at(x, y, width)];
     }
 }
 

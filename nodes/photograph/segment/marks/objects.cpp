@@ -5,6 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/marks/captions.h"
 #include "nodes/photograph/segment/marks/levels.h"
 #include "nodes/photograph/segment/marks/scales.h"
@@ -91,8 +92,7 @@ void add_objects_of_network(const std::vector<float>& not_material, int section,
     cv::Mat mask(image.height, image.width, CV_8U, cv::Scalar(0));
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
-        if (parts.ids[static_cast<std::size_t>(y) * image.width + x] == k + 1)
-          mask.at<std::uint8_t>(y, x) = 255;
+        if (parts.ids[pixel_at(x, y, image.width)] == k + 1) mask.at<std::uint8_t>(y, x) = 255;
     objects.push_back(ignore(filled(mask), FoundObject::Kind::Other, section, image, ignored));
   }
 }

@@ -8,6 +8,7 @@
 #include "nodes/common/geometry/mesh/principal_axes.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -19,8 +20,8 @@ float lightness(const Image& image, int x, int y, int section) {
 float between(const Image& image, int section, double x, double y) {
   x = std::clamp(x, 0.0, image.width - 1.0);
   y = std::clamp(y, 0.0, image.height - 1.0);
-  const int x0 = std::min(static_cast<int>(x), std::max(0, image.width - 2)),
-            y0 = std::min(static_cast<int>(y), std::max(0, image.height - 2));
+  const int x0 = std::min<int>(x, std::max(0, image.width - 2)),
+            y0 = std::min<int>(y, std::max(0, image.height - 2));
   const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
   const float u = x - x0, v = y - y0;
   return (1 - v) * ((1 - u) * lightness(image, x0, y0, section) + u * lightness(image, x1, y0, section)) +
@@ -43,7 +44,7 @@ std::vector<double> autocorrelation(const std::vector<float>& line) {
     value[i] = line[i] - (sums[b] - sums[a]) / (b - a);
   }
   std::vector<double> out(n * 3 / 4, 0);
-  for (int lag = 0; lag < static_cast<int>(out.size()); ++lag) {
+  for (int lag = 0; lag < count_of(out); ++lag) {
     double both = 0, first = 1e-9, second = 1e-9;
     for (int i = 0; i + lag < n; ++i) {
       both += value[i] * value[i + lag];
@@ -74,9 +75,8 @@ Period shortest_period(const std::vector<float>& line) {
   const std::vector<double> a = autocorrelation(line);
   const int n = a.size();
   const auto summit_near = [&](double at, double slack) {
-    int best = std::clamp(static_cast<int>(std::lround(at)), 1, n - 2);
-    for (int i = std::max(1, static_cast<int>(at - slack));
-         i <= std::min(n - 2, static_cast<int>(at + slack) + 1); ++i)
+    int best = std::clamp(round_nearest(at), 1, n - 2);
+    for (int i = std::max<int>(1, at - slack); i <= std::min(n - 2, static_cast<int>(at + slack) + 1); ++i)
       if (a[i] > a[best]) best = i;
     return best;
   };

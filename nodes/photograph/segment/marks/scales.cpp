@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/marks/combs.h"
 #include "nodes/photograph/segment/marks/levels.h"
 
@@ -20,7 +21,7 @@ struct MarkColors {
 };
 
 MarkColors colors_of(const cv::Mat& band, double step) {
-  const int reach = static_cast<int>(std::ceil(1.2 * step));
+  const int reach = round_up(1.2 * step);
   const auto luma = [](const cv::Vec3b& c) { return 299 * c[0] + 587 * c[1] + 114 * c[2]; };
   MarkColors out;
   std::vector<cv::Vec3b> near;
@@ -110,7 +111,7 @@ class Body {
   }
 
   void grow_rows() {
-    const int gap = std::max(4, static_cast<int>(0.6 * step_));
+    const int gap = std::max<int>(4, 0.6 * step_);
     int top = box_.y, bottom = box_.br().y;
     for (int y = top - 1; y >= std::max(0, top - gap); --y)
       if (belongs({comb_.x, y, comb_.width, 1})) top = y;
@@ -188,8 +189,7 @@ std::vector<cv::Point> corners_of(const TurnedFrame& frame, const cv::Rect& box,
                              {box.br().x, box.br().y},
                              {box.x - 1, box.br().y}}) {
     const cv::Point2d p = frame.in_picture(x, y);
-    out.emplace_back(static_cast<int>(std::lround((p.x + 0.5) / scale - 0.5)),
-                     static_cast<int>(std::lround((p.y + 0.5) / scale - 0.5)));
+    out.emplace_back(round_nearest((p.x + 0.5) / scale - 0.5), round_nearest((p.y + 0.5) / scale - 0.5));
   }
   return out;
 }

@@ -60,7 +60,7 @@ Marks marks_of(const cv::Mat& ink, int highest) {
   return out;
 }
 
-bool neighbors(const Letter& a, const Letter& b) {  // a is not to the right of b
+bool are_neighbors(const Letter& a, const Letter& b) {  // a is not to the right of b
   const int higher = std::max(a.box.height, b.box.height), lower = std::min(a.box.height, b.box.height);
   const int gap = b.box.x - a.box.br().x;
   // A space and a letter that reaches below the line, such as µ, may lie between them.
@@ -77,7 +77,7 @@ std::vector<std::vector<Letter>> rows_of(const std::vector<Letter>& letters) {
   DisjointSets rows(letters.size());
   for (std::size_t i = 0; i < letters.size(); ++i)
     for (std::size_t j = i + 1; j < letters.size() && letters[j].box.x - letters[i].box.x <= widest; ++j)
-      if (neighbors(letters[i], letters[j]))
+      if (are_neighbors(letters[i], letters[j]))
         rows.join(static_cast<std::int32_t>(i), static_cast<std::int32_t>(j));
   std::vector<std::vector<Letter>> all(letters.size());
   for (std::size_t i = 0; i < letters.size(); ++i)

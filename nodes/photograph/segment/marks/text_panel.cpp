@@ -181,16 +181,32 @@ std::vector<cv::Rect> joined(std::vector<cv::Rect> boxes) {
   return boxes;
 }
 
-// The flat panels around scale bars without text.
-std::vector<cv::Rect> bar_panels(const cv::Mat& levels, const cv::Mat& ink,
-                                 const std::vector<cv::Rect>& known) {
-  std::vector<cv::Rect> out;
+// Whether a bar is a rectangle of one exact color, as only a drawn one is.
+bool is_drawn(const cv::Mat& levels, const cv::Rect& bar) {
+  constexpr int kExact = 3;  // levels
+  constexpr double kFull = 0.97, kOutside = 0.1;
+  const cv::Rect around = grown(bar, 2, levels.size());
+  const cv::Mat same = distance_from(levels(around), commonest(levels(bar))) <= kExact;
+  const int all = cv::countNonZero(same), inside = cv::countNonZero(same(bar - around.tl()));
+  return bar.width >= 5 * bar.height && inside >= kFull * bar.area() &&
+         all - inside <= kOutside * (around.area() - bar.area());
+}
+
+// Scale bars without text: the flat panels around them, or the bar itself if only one is drawn into the
+// picture.
+std::vector<cv::Rect> lone_bars(const cv::Mat& levels, const cv::Mat& ink,
+                                const std::vector<cv::Rect>& known) {
+  std::vector<cv::Rect> out, drawn;
   for (const cv::Rect& bar : find_bars(ink)) {
     const cv::Rect around = grown(bar, std::max(4, bar.height), levels.size());
     if (touches(around, known) || touches(around, out) || !stands_out(levels, ink, bar)) continue;
     const auto panel = flat_panel(levels, ink, around);
-    if (panel && (*panel & around) == around) out.push_back(*panel);
+    if (panel && (*panel & around) == around)
+      out.push_back(*panel);
+    else if (is_drawn(levels, bar))
+      drawn.push_back(grown(bar, 2, levels.size()));
   }
+  if (out.empty() && drawn.size() == 1) out = drawn;
   return out;
 }
 
@@ -215,8 +231,8 @@ std::vector<cv::Rect> find_text_panels(const cv::Mat& levels, const std::vector<
       const cv::Rect around = grown(box, std::max(2, box.height / 3), levels.size());
       found.push_back(panel ? *panel | around : around);
     }
-    const std::vector<cv::Rect> panels = bar_panels(levels, ink, known);
-    found.insert(found.end(), panels.begin(), panels.end());
+    const std::vector<cv::Rect> bars = lone_bars(levels, ink, known);
+    found.insert(found.end(), bars.begin(), bars.end());
   }
   return joined(std::move(found));
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "nodes/data/profiles.h"
@@ -101,6 +102,59 @@ TEST(Captions, ABarInABoxIsFound) {
   EXPECT_EQ(found[0], cv::Rect(260, 250, 140, 40));
 }
 
+TEST(Captions, ABarAloneIsFound) {
+  for (const int ink : {0, 255}) {
+    Image image = gray_micrograph(420, 300);
+    Coverage bar(420, 300);
+    bar.rectangle(275, 267, 385, 273);
+    bar.paint(image, test::gray_level(ink));
+    const auto found = captions_of(image);
+    ASSERT_EQ(found.size(), 1u) << ink;
+    EXPECT_EQ(found[0], cv::Rect(273, 265, 114, 10)) << ink;
+  }
+}
+
+// A scale bar is one of its kind: many are fibers.
+TEST(Captions, FibersAreNone) {
+  Image image = gray_micrograph(420, 300);
+  Coverage bars(420, 300);
+  for (int k = 0; k < 8; ++k) bars.rectangle(20 + 45 * k, 20 + 30 * k, 90 + 45 * k, 26 + 30 * k);
+  bars.paint(image, test::gray_level(255));
+  EXPECT_TRUE(captions_of(image).empty());
+}
+
+TEST(Captions, AFrameIsFound) {
+  for (const int paper : {0, 255})
+    for (const bool title : {false, true}) {
+      const Image picture = gray_micrograph(300, 200);
+      Image image(340, 260, 1, 0.5, test::gray_level(paper));
+      for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) image.at(x + 20, y + 10) = picture.at(x, y);
+      if (title) {
+        Coverage text(340, 260);
+        add_text(text, 24, 222, "Fig. 3: polished section", 20);
+        text.paint(image, test::gray_level(255 - paper));
+      }
+      cv::Mat found(260, 340, CV_8U, cv::Scalar(0));
+      for (const cv::Rect& r : captions_of(image)) found(r).setTo(255);
+      const cv::Rect inside(20, 10, 300, 200), surely(22, 12, 296, 196);
+      EXPECT_EQ(cv::countNonZero(found(surely)), 0) << paper << title;
+      found(inside).setTo(255);
+      EXPECT_EQ(cv::countNonZero(found), 340 * 260) << paper << title;
+    }
+}
+
+TEST(Captions, BarsOfAPaddedPictureAreFound) {
+  const Image picture = gray_micrograph(300, 200);
+  Image image(300, 300, 1, 0.5, test::gray_level(0));
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 300; ++x) image.at(x, y + 50) = picture.at(x, y);
+  const auto found = captions_of(image);
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0], cv::Rect(0, 0, 300, 51));
+  EXPECT_EQ(found[1], cv::Rect(0, 249, 300, 51));
+}
+
 // The picture shines through a panel, which belongs to the caption.
 TEST(Captions, APanelBelongsToItsText) {
   for (const float opacity : {0.5f, 1.0f}) {
@@ -130,6 +184,14 @@ TEST(Captions, PicturesWithoutTextHaveNone) {
     test::draw(pictures.back(), {d.x, d.y + 250, d.radius}, test::gray_level(200));
   pictures.push_back(pictures[1]);
   for (int k = 0; k < 20; ++k) test::draw(pictures.back(), {15.0 + 20 * k, 275, 7}, test::gray_level(220));
+  // Discs on one flat color, none at the edge, and a round field of view.
+  pictures.emplace_back(300, 300, 1, 1, test::gray_level(0));
+  for (int k = 0; k < 36; ++k)
+    test::draw(pictures.back(), {30.0 + 48 * (k % 6), 30.0 + 48 * (k / 6), 14}, test::gray_level(200));
+  pictures.push_back(gray_micrograph(300, 300));
+  for (int y = 0; y < 300; ++y)
+    for (int x = 0; x < 300; ++x)
+      if (std::hypot(x - 149.5, y - 149.5) > 144) pictures.back().at(x, y) = test::gray_level(0);
   // Rows of equal squares, without noise.
   pictures.emplace_back(400, 300, 1, 1, test::gray_level(255));
   for (int y = 0; y < 300; ++y)
