@@ -152,27 +152,28 @@ std::string draw_svg(const Graph& graph) {
   const std::vector<int>& layer = placed.layer;
   const std::vector<double>& row = placed.row;
   const auto& layers = placed.members;
-  constexpr double width = 150, height = 44, gap_x = 70, gap_y = 22, margin = 20;
+  constexpr double kWidth = 150, kHeight = 44, kGapX = 70, kGapY = 22, kMargin = 20;
   std::size_t tallest = 1;
   for (const auto& [l, members] : layers) tallest = std::max(tallest, members.size());
-  const auto x = [&](std::size_t i) { return margin + layer[i] * (width + gap_x); };
+  const auto x = [&](std::size_t i) { return kMargin + layer[i] * (kWidth + kGapX); };
   const auto y = [&](std::size_t i) {
-    const double spare = (tallest - layers.at(layer[i]).size()) * (height + gap_y) / 2;
-    return margin + spare + row[i] * (height + gap_y);
+    const double spare = (tallest - layers.at(layer[i]).size()) * (kHeight + kGapY) / 2;
+    return kMargin + spare + row[i] * (kHeight + kGapY);
   };
-  const double total_x = 2 * margin + layers.size() * (width + gap_x) - gap_x;
-  const double total_y = 2 * margin + tallest * (height + gap_y) - gap_y;
+  const double total_x = 2 * kMargin + layers.size() * (kWidth + kGapX) - kGapX;
+  const double total_y = 2 * kMargin + tallest * (kHeight + kGapY) - kGapY;
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0:.0f}\" height=\"{1:.0f}\" viewBox=\"0 0 {0:.0f} "
       "{1:.0f}\" "
       "font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
       total_x, total_y);
   for (const auto& w : g.wires) {
-    const double x0 = x(w.from) + width, y0 = y(w.from) + height / 2, x1 = x(w.to), y1 = y(w.to) + height / 2;
+    const double x0 = x(w.from) + kWidth, y0 = y(w.from) + kHeight / 2, x1 = x(w.to),
+                 y1 = y(w.to) + kHeight / 2;
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f} C{:.1f} {:.1f} {:.1f} {:.1f} {:.1f} {:.1f}\" fill=\"none\" "
         "stroke=\"#7a8794\" stroke-width=\"1.4\"><title>{}</title></path>\n",
-        x0, y0, x0 + gap_x / 2, y0, x1 - gap_x / 2, y1, x1, y1, escape_xml(w.output));
+        x0, y0, x0 + kGapX / 2, y0, x1 - kGapX / 2, y1, x1, y1, escape_xml(w.output));
   }
   for (std::size_t i = 0; i < g.nodes.size(); ++i)
     out += fmt::format(
@@ -182,7 +183,7 @@ std::string draw_svg(const Graph& graph) {
         "fill=\"#1d252c\">{6}</text>"
         "<text x=\"{4:.1f}\" y=\"{7:.1f}\" font-size=\"11\" text-anchor=\"middle\" "
         "fill=\"#66727d\">{8}</text></g>\n",
-        x(i), y(i), width, height, x(i) + width / 2, y(i) + 19, escape_xml(g.nodes[i].title), y(i) + 35,
+        x(i), y(i), kWidth, kHeight, x(i) + kWidth / 2, y(i) + 19, escape_xml(g.nodes[i].title), y(i) + 35,
         escape_xml(g.nodes[i].type));
   return out + "</svg>\n";
 }

@@ -71,7 +71,7 @@ std::vector<int> Graph::sinks() const {
   for (const auto& o : outputs) wanted[o.wire.node] = true;
   std::vector<int> out;
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (wanted[i]) out.push_back(static_cast<int>(i));
+    if (wanted[i]) out.push_back(i);
   return out;
 }
 

@@ -75,7 +75,7 @@ std::vector<Wire> Linker::resolve(Scope& scope, const RawReference& ref, int dep
     report_unknown_node(scope, name, ref.place);
     return {};
   }
-  if (depth > 4 * max_nesting) {
+  if (depth > 4 * kMaxNesting) {
     fail("cycle",
          fmt::format("the wires form a cycle: '{}' leads through subgraphs back to itself", ref.text),
          ref.place);
@@ -229,9 +229,9 @@ void Linker::attach(Scope& scope, int index, const Port& port, const RawReferenc
 bool Linker::take_elements(std::size_t count, const RawReference& ref) {
   if (too_large_) return false;
   elements_ += count;
-  if (elements_ <= 2 * max_expanded_wires) return true;
+  if (elements_ <= 2 * kMaxExpandedWires) return true;
   too_large_ = true;
-  fail("too-large", fmt::format("the wires lead to more than {} elements", 2 * max_expanded_wires), ref.place,
+  fail("too-large", fmt::format("the wires lead to more than {} elements", 2 * kMaxExpandedWires), ref.place,
        "connect lists to fewer elements");
   return false;
 }
@@ -239,9 +239,9 @@ bool Linker::take_elements(std::size_t count, const RawReference& ref) {
 bool Linker::take_wires(std::size_t wires, const RawReference& ref) {
   if (too_large_) return false;
   wires_ += wires;
-  if (wires_ <= max_expanded_wires) return true;
+  if (wires_ <= kMaxExpandedWires) return true;
   too_large_ = true;
-  fail("too-large", fmt::format("the graph expands to more than {} wires", max_expanded_wires), ref.place,
+  fail("too-large", fmt::format("the graph expands to more than {} wires", kMaxExpandedWires), ref.place,
        "connect lists to fewer elements");
   return false;
 }

@@ -103,7 +103,7 @@ int Linker::find(const std::string& path) const {
 
 std::string Linker::too_much_text(std::uint64_t bytes) {
   return fmt::format("the graph expands to {} MiB of values and wires; the limit is {}", bytes >> 20,
-                     max_expanded_bytes >> 20);
+                     kMaxExpandedBytes >> 20);
 }
 
 bool Linker::check_size(const RawDocument& root) {
@@ -114,21 +114,21 @@ bool Linker::check_size(const RawDocument& root) {
   const auto deeper = [&](const RawNode& a, const RawNode& b) {
     return files_->expansion(root, a).nesting < files_->expansion(root, b).nesting;
   };
-  if (all.nesting > max_nesting) {
+  if (all.nesting > kMaxNesting) {
     const RawNode& node = *std::max_element(root.nodes.begin(), root.nodes.end(), deeper);
-    fail("too-large", fmt::format("subgraphs nest more than {} levels deep in '{}'", max_nesting, node.graph),
+    fail("too-large", fmt::format("subgraphs nest more than {} levels deep in '{}'", kMaxNesting, node.graph),
          node.kind_place, {}, node.name);
-  } else if (all.nodes > max_expanded_nodes) {
+  } else if (all.nodes > kMaxExpandedNodes) {
     const RawNode& node = *std::max_element(root.nodes.begin(), root.nodes.end(), larger);
     fail("too-large",
          fmt::format("the graph expands to {} nodes, {} of them in '{}'; the limit is {}", all.nodes,
-                     files_->expansion(root, node).nodes, node.name, max_expanded_nodes),
+                     files_->expansion(root, node).nodes, node.name, kMaxExpandedNodes),
          node.kind_place, "use fewer subgraphs, or split the graph into several", node.name);
-  } else if (all.bytes > max_expanded_bytes) {
+  } else if (all.bytes > kMaxExpandedBytes) {
     fail("too-large", too_much_text(all.bytes), {root.file.string(), 0, 0},
          "use fewer subgraphs, or shorter lists");
   }
-  return all.nesting <= max_nesting && all.nodes <= max_expanded_nodes && all.bytes <= max_expanded_bytes;
+  return all.nesting <= kMaxNesting && all.nodes <= kMaxExpandedNodes && all.bytes <= kMaxExpandedBytes;
 }
 
 Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const RawNode* node,

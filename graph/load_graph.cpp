@@ -12,10 +12,10 @@ std::optional<std::string> read_graph_text(const fs::path& file, Diagnostics& fo
     found.push_back({Severity::Error, std::move(code), std::move(message), std::move(hint), {}, {}, {}});
     return std::nullopt;
   };
-  FileText read = read_input_file(file, max_graph_bytes);
+  FileText read = read_input_file(file, kMaxGraphBytes);
   if (read.too_large)
     return fail("too-large",
-                fmt::format("the graph file '{}' has more than {} MiB", file.string(), max_graph_bytes >> 20),
+                fmt::format("the graph file '{}' has more than {} MiB", file.string(), kMaxGraphBytes >> 20),
                 "move data to separate files and refer to them in the graph");
   if (!read)
     return fail("no-file", fmt::format("cannot read the graph file '{}': {}", file.string(), read.trouble),

@@ -235,7 +235,7 @@ std::string color_text(const std::array<double, 3>& linear) {
   std::string out = "#";
   for (const double c : linear) {
     const double e = c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;  // IEC 61966-2-1
-    out += fmt::format("{:02x}", std::clamp(static_cast<int>(std::lround(255 * e)), 0, 255));
+    out += fmt::format("{:02x}", std::clamp<int>(std::lround(255 * e), 0, 255));
   }
   return out;
 }

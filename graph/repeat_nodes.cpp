@@ -39,15 +39,15 @@ std::vector<Given> Linker::read_values(const Scope& scope, const RawNode& raw, c
   if (all.written.items.empty() && !all.written.is_list) return {};  // substitute() reported the error
   if (!all.written.is_list) {
     try {
-      if (auto range = read_range(all.written.text(), max_expanded_nodes))
+      if (auto range = read_range(all.written.text(), kMaxExpandedNodes))
         all.written.items = std::move(*range);
     } catch (const Error& e) {
       return wrong(e.diagnostic().code, ": " + e.diagnostic().message, all.place, "write LO:HI:STEP");
     }
   }
   if (all.written.items.empty()) return wrong("bad-value", " are an empty list", all.place);
-  if (all.written.items.size() > max_expanded_nodes)
-    return wrong("too-large", fmt::format(" are more than {}", max_expanded_nodes), all.place);
+  if (all.written.items.size() > kMaxExpandedNodes)
+    return wrong("too-large", fmt::format(" are more than {}", kMaxExpandedNodes), all.place);
   std::vector<Given> out;
   std::set<std::string> seen;
   for (std::size_t k = 0; k < all.written.items.size(); ++k) {
@@ -81,9 +81,9 @@ std::vector<Variable> Linker::read_variables(const Scope& scope, const RawNode& 
     variables.push_back({name, read_values(scope, raw, name, value)});
     count *= variables.back().values.size();
     if (count == 0) unknown_.insert(path);
-    if (count > max_expanded_nodes) {
+    if (count > kMaxExpandedNodes) {
       refuse_repeated(path, "too-large",
-                      fmt::format("'{}' has more than {} elements", raw.name, max_expanded_nodes),
+                      fmt::format("'{}' has more than {} elements", raw.name, kMaxExpandedNodes),
                       value.place);
       break;
     }
@@ -99,15 +99,15 @@ bool Linker::take_repeated(const Scope& scope, const RawNode& raw, std::uint64_t
   expanded_ += (count - 1) * one.nodes;
   bytes_ += (count - 1) * one.bytes;
   const Place& place = raw.each.front().second.place;
-  if (expanded_ > max_expanded_nodes) {
+  if (expanded_ > kMaxExpandedNodes) {
     refuse_repeated(
         path, "too-large",
         fmt::format("the graph expands to {} nodes, {} of them in the {} elements of '{}'; the limit is {}",
-                    expanded_, count * one.nodes, count, raw.name, max_expanded_nodes),
+                    expanded_, count * one.nodes, count, raw.name, kMaxExpandedNodes),
         place, "use fewer values, or split the graph into several");
     return false;
   }
-  if (bytes_ > max_expanded_bytes) {
+  if (bytes_ > kMaxExpandedBytes) {
     refuse_repeated(path, "too-large", too_much_text(bytes_), place, "use fewer values, or shorter lists");
     return false;
   }
@@ -191,7 +191,7 @@ std::optional<std::string> Linker::substitute_values(const Element& element, con
 }
 
 void Linker::drop_repeated_messages() {
-  constexpr int most = 5;  // messages of one kind about the elements of one node
+  constexpr int kMost = 5;  // messages of one kind about the elements of one node
   struct Kind {
     int count = 0;
     std::size_t last = 0;  // message kept
@@ -205,15 +205,15 @@ void Linker::drop_repeated_messages() {
     const Key key{d.place.file, d.place.line, d.place.column, d.code, node};
     if (!seen.insert({key, d.message}).second) continue;
     Kind& kind = kinds[key];
-    if (node != d.node && ++kind.count > most) continue;
+    if (node != d.node && ++kind.count > kMost) continue;
     kind.last = kept.size();
     kept.push_back(std::move(d));
   }
   for (const auto& [key, kind] : kinds)
-    if (kind.count > most) {
+    if (kind.count > kMost) {
       std::string& hint = kept[kind.last].hint;
       hint +=
-          fmt::format("{}{} more elements have such an error", hint.empty() ? "" : "; ", kind.count - most);
+          fmt::format("{}{} more elements have such an error", hint.empty() ? "" : "; ", kind.count - kMost);
     }
   found_ = std::move(kept);
 }

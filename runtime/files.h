@@ -61,9 +61,9 @@ void write_text_atomically(const std::filesystem::path& final, const std::string
 void write_all(int descriptor, const std::string& text, const std::filesystem::path& final);
 
 // Larger files are no text that this program reads: records, reports, logs, and values that it checks first.
-inline constexpr std::uint64_t most_text_bytes = std::uint64_t{1} << 30;
+inline constexpr std::uint64_t kMostTextBytes = std::uint64_t{1} << 30;
 
 // The content of a regular file. Nothing if it cannot be read or has more bytes.
-std::optional<std::string> read_file(const std::filesystem::path&, std::uint64_t most = most_text_bytes);
+std::optional<std::string> read_file(const std::filesystem::path&, std::uint64_t most = kMostTextBytes);
 
 }  // namespace terrazzo

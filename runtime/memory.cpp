@@ -18,7 +18,7 @@ namespace terrazzo {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 // Files of the kernel have no size, so they are not opened as InputFile.
 std::optional<std::uint64_t> number_in(const fs::path& file) {
@@ -43,10 +43,10 @@ void each_number(const fs::path& file, Use&& use) {
 std::uint64_t left_of(std::uint64_t limit, std::uint64_t used) { return limit > used ? limit - used : 0; }
 
 std::uint64_t left_on_machine() {
-  std::uint64_t left = unlimited;
+  std::uint64_t left = kUnlimited;
   each_number("/proc/meminfo", [&](const std::string& name, std::uint64_t kilobytes) {
     if (name == "MemAvailable:") left = 1024 * kilobytes;
-    return left == unlimited;
+    return left == kUnlimited;
   });
   return left;
 }
@@ -64,7 +64,7 @@ std::uint64_t reclaimable(const fs::path& group) {
 // The memory left in the group and in all its parent groups.
 std::uint64_t left_in_group(const fs::path& mount, const std::string& path, const char* limit_name,
                             const char* usage_name) {
-  std::uint64_t left = unlimited;
+  std::uint64_t left = kUnlimited;
   fs::path group = mount / fs::path(path).relative_path();
   std::error_code error;
   // In a container, the path may refer to a folder of the host that is not mounted.
@@ -78,7 +78,7 @@ std::uint64_t left_in_group(const fs::path& mount, const std::string& path, cons
 }
 
 std::uint64_t left_in_groups() {
-  std::uint64_t left = unlimited;
+  std::uint64_t left = kUnlimited;
   std::ifstream in("/proc/self/cgroup");
   for (std::string line; std::getline(in, line);) {
     const auto first = line.find(':'), second = line.find(':', first + 1);
@@ -102,7 +102,7 @@ std::string bytes_text(double bytes) {
 
 std::uint64_t available_address_space() {
   struct rlimit limit;
-  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return unlimited;
+  if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kUnlimited;
   const std::uint64_t pages = number_in("/proc/self/statm").value_or(0);
   return left_of(limit.rlim_cur, pages * ::sysconf(_SC_PAGESIZE));
 }

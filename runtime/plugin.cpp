@@ -24,10 +24,10 @@ void load(const fs::path& file, Registry& registry, ValueTypes& types) {
   const auto add = reinterpret_cast<void (*)(Registry&, ValueTypes&)>(::dlsym(library, "terrazzo_plugin"));
   if (!version || !add)
     throw Error("plugin", "'" + file.string() + "' is not a plugin", "it must contain TERRAZZO_PLUGIN");
-  if (version() != plugin_interface)
+  if (version() != kPluginInterface)
     throw Error("plugin",
                 "'" + file.string() + "' was built for plugin interface " + std::to_string(version()) +
-                    ", but this program has " + std::to_string(plugin_interface),
+                    ", but this program has " + std::to_string(kPluginInterface),
                 "rebuild the plugin");
   add(registry, types);
 }

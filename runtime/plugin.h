@@ -16,7 +16,7 @@
 namespace terrazzo {
 
 // Raise it whenever the layout of types in the headers that plugins include changes.
-inline constexpr int plugin_interface = 3;
+inline constexpr int kPluginInterface = 3;
 
 // Loads all plugins in the list. Plugins that fail to load are reported and skipped.
 Diagnostics load_plugins(const std::string& path_list, Registry&, ValueTypes&);
@@ -27,6 +27,6 @@ std::filesystem::path library_folder();
 }  // namespace terrazzo
 
 #define TERRAZZO_PLUGIN(registry, types)                                            \
-  extern "C" int terrazzo_plugin_interface() { return terrazzo::plugin_interface; } \
+  extern "C" int terrazzo_plugin_interface() { return terrazzo::kPluginInterface; } \
   extern "C" void terrazzo_plugin([[maybe_unused]] terrazzo::Registry& registry,    \
                                   [[maybe_unused]] terrazzo::ValueTypes& types)

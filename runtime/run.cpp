@@ -49,7 +49,7 @@ RunResult Run::run() {
         states_[w.node].consumers.push_back(static_cast<int>(i));
       }
     states_[i].waiting = sources;
-    if (sources == 0) ready.push_back(static_cast<int>(i));
+    if (sources == 0) ready.push_back(i);
   }
   for (auto& s : states_) s.users = static_cast<int>(s.consumers.size());
   // TBB's default limit is the number of cores, but the user may ask for more threads.

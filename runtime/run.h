@@ -43,9 +43,9 @@ class Run {
   };
 
   int threads() const;
-  NodeResult& result(int i) { return result_.nodes[static_cast<std::size_t>(i)]; }
-  State& state(int i) { return states_[static_cast<std::size_t>(i)]; }
-  const GraphNode& node(int i) const { return graph_.nodes[static_cast<std::size_t>(i)]; }
+  NodeResult& result(int i) { return result_.nodes[i]; }
+  State& state(int i) { return states_[i]; }
+  const GraphNode& node(int i) const { return graph_.nodes[i]; }
   bool cancelled(int i) const;
   // Whether the whole run is canceled, not only nodes that an edit made obsolete.
   bool run_is_cancelled() const;

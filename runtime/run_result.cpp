@@ -60,7 +60,7 @@ std::vector<int> target_nodes(const Graph& graph, const std::vector<std::string>
         if (is_named(graph.nodes[i].path, path)) {
           if (path != t && out.size() == before)
             graph.wire_to(graph.nodes[i].path + t.substr(path.size()));  // checks the port
-          out.push_back(static_cast<int>(i));
+          out.push_back(i);
         }
       // For a bypassed node, what its readers read.
       for (const auto& [bypassed, passed] : graph.bypassed)

@@ -94,7 +94,7 @@ std::vector<int> obsolete_nodes(const Graph& before, const Graph& after) {
     changed[i] = it == now.end() || it->second != recipe(before, node);
     for (const auto& [port, wires] : node.inputs)
       for (const auto& w : wires) changed[i] = changed[i] || changed[w.node];
-    if (changed[i]) out.push_back(static_cast<int>(i));
+    if (changed[i]) out.push_back(i);
   }
   return out;
 }

@@ -22,7 +22,7 @@ namespace terrazzo {
 
 struct SessionOptions {
   std::filesystem::path cache_folder = {};  // empty: results are kept only in memory
-  std::uint64_t memory = Store::default_memory;
+  std::uint64_t memory = Store::kDefaultMemory;
   std::uint64_t file_memory = 0;  // bytes that loading one file may take; 0: all available memory
   std::filesystem::path output_folder = "out";
   int threads = 0;                            // 0: one per CPU core

@@ -51,7 +51,7 @@ void Work::parallel(std::size_t n, std::size_t grain,
     check();
     body(r * grain, std::min(n, (r + 1) * grain));
     const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
-    if (report_ && ranges > 1) progress(static_cast<double>(k) / ranges);
+    if (report_ && ranges > 1) this->done(k, ranges);
   };
   tbb::parallel_for(std::size_t{0}, ranges, range, context);
   // If this loop runs inside another loop in which a range failed, TBB ends this one early without an error.

@@ -28,6 +28,8 @@ class Work {
 
   // Reports the progress of this work, from 0 to 1, and a note on its state, such as "overlap 0.03".
   void progress(double fraction, const std::string& note = {}) const;
+  // The same after some of all steps; `all` > 0.
+  void done(double steps, double all) const { progress(steps / all); }
 
   // A handle for one stage of this work, whose progress maps to [from, to] of this work's progress.
   Work part(double from, double to) const;

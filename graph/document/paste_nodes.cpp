@@ -40,8 +40,8 @@ std::string as_graph_file(std::string nodes) {
   // Nodes may have any name, also `nodes`; but then that has a type.
   if (inner && inner->kind == YamlNode::Kind::Map && !entry_named(*inner, "type") &&
       !entry_named(*inner, "graph"))
-    return entry_named(*tree, "terrazzo") ? nodes : fmt::format("terrazzo: {}\n{}", graph_format, nodes);
-  std::string out = fmt::format("terrazzo: {}\nnodes:\n", graph_format);
+    return entry_named(*tree, "terrazzo") ? nodes : fmt::format("terrazzo: {}\n{}", kGraphFormat, nodes);
+  std::string out = fmt::format("terrazzo: {}\nnodes:\n", kGraphFormat);
   each_line_of(nodes, [&](const std::string& line) { out += (line.empty() ? "" : "  " + line) + "\n"; });
   return out;
 }

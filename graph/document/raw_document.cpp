@@ -35,7 +35,7 @@ class DocumentReader {
            place(text, bad), "save the file as UTF-8");
       return std::move(doc_);
     }
-    if (separators(text) > max_graph_values) {
+    if (separators(text) > kMaxGraphValues) {
       fail_too_large({doc_.file.string(), 1, 1});
       return std::move(doc_);
     }
@@ -80,7 +80,7 @@ class DocumentReader {
              });
     if (!has_version)
       fail("no-version", "the format version is missing", {doc_.file.string(), 1, 1},
-           fmt::format("start the file with 'terrazzo: {}'", graph_format));
+           fmt::format("start the file with 'terrazzo: {}'", kGraphFormat));
     if (!has_nodes) fail("no-nodes", "the graph has no nodes", {doc_.file.string(), 1, 1});
     return std::move(doc_);
   }
@@ -88,7 +88,7 @@ class DocumentReader {
  private:
   Place place(const YAML::Mark& m) const { return {doc_.file.string(), m.line + 1, m.column + 1}; }
   Place place(const std::string& text, std::size_t at) const {
-    const auto begin = text.begin(), end = begin + static_cast<std::ptrdiff_t>(at);
+    const auto begin = text.begin(), end = begin + at;
     const auto line = std::find(std::make_reverse_iterator(end), text.rend(), '\n').base();
     const auto starts = [](char c) { return (c & 0xc0) != 0x80; };  // the first byte of a character
     return {doc_.file.string(), 1 + static_cast<int>(std::count(begin, end, '\n')),
@@ -123,16 +123,16 @@ class DocumentReader {
 
   void fail_too_large(Place at) {
     fail("too-large",
-         fmt::format("the graph contains more than {} values, with aliases expanded", max_graph_values),
+         fmt::format("the graph contains more than {} values, with aliases expanded", kMaxGraphValues),
          std::move(at), "move data to separate files and refer to them in the graph");
   }
 
   // Counts values before they are read. Returns false once there are too many, and reports that once.
   bool take(std::size_t values, const YAML::Node& at) {
-    if (values_ > max_graph_values) return false;
+    if (values_ > kMaxGraphValues) return false;
     values_ += values;
-    if (values_ > max_graph_values) fail_too_large(place(at.Mark()));
-    return values_ <= max_graph_values;
+    if (values_ > kMaxGraphValues) fail_too_large(place(at.Mark()));
+    return values_ <= kMaxGraphValues;
   }
 
   // Calls `use` once for every key. Reports duplicate keys, and keys that are not in `known` unless it is
@@ -164,12 +164,12 @@ class DocumentReader {
 
   void read_version(const YAML::Node& v, const YAML::Node& key) {
     const int version = v.IsScalar() ? number_in_text<int>(v.Scalar()).value_or(0) : 0;
-    if (version == graph_format) return;
+    if (version == kGraphFormat) return;
     fail("format-version",
          fmt::format("format version '{}' is not supported", v.IsScalar() ? v.Scalar() : "?"),
          place(key.Mark()),
-         version > graph_format ? "the file needs a newer version of Terrazzo"
-                                : fmt::format("this program reads version {}", graph_format));
+         version > kGraphFormat ? "the file needs a newer version of Terrazzo"
+                                : fmt::format("this program reads version {}", kGraphFormat));
   }
 
   bool read_value(const YAML::Node& v, RawValue& out, const std::string& what, const YAML::Node& key) {
@@ -345,8 +345,8 @@ WrittenValue read_written(const std::string& text) {
     if (v.IsNull()) return {false, {text}, {}};
   } catch (const YAML::Exception&) {
   }
-  constexpr std::size_t longest = 200;  // bytes of a quotation
-  const std::string shown = text.size() <= longest ? text : valid_utf8(text.substr(0, longest)) + "…";
+  constexpr std::size_t kLongest = 200;  // bytes of a quotation
+  const std::string shown = text.size() <= kLongest ? text : valid_utf8(text.substr(0, kLongest)) + "…";
   throw Error("bad-value", "'" + shown + "' is not a value or a list of values", hint);
 }
 

@@ -46,11 +46,11 @@ struct RawDocument {
 };
 
 // The format version that this program reads and writes.
-inline constexpr int graph_format = 1;
+inline constexpr int kGraphFormat = 1;
 
 // Larger files are rejected, because they could exhaust memory. Values behind an alias count at each use.
-inline constexpr std::size_t max_graph_bytes = std::size_t{16} << 20;
-inline constexpr std::size_t max_graph_values = 2'000'000;
+inline constexpr std::size_t kMaxGraphBytes = std::size_t{16} << 20;
+inline constexpr std::size_t kMaxGraphValues = 2'000'000;
 
 // Reads a graph file as text. On failure, returns nothing and appends an error without a place to `found`.
 std::optional<std::string> read_graph_text(const std::filesystem::path&, Diagnostics& found);

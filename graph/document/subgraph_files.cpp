@@ -22,9 +22,9 @@ fs::path identity(const fs::path& file) {
 
 // What a copy of a node takes: its values and wires, and their places.
 std::uint64_t bytes_of(const RawNode& node) {
-  constexpr std::uint64_t per_item = 64;
-  std::uint64_t bytes = per_item + node.doc.size();
-  const auto add = [&](const std::string& text) { bytes += per_item + text.size(); };
+  constexpr std::uint64_t kPerItem = 64;
+  std::uint64_t bytes = kPerItem + node.doc.size();
+  const auto add = [&](const std::string& text) { bytes += kPerItem + text.size(); };
   for (const auto* values : {&node.each, &node.params})
     for (const auto& [name, value] : *values)
       for (const auto& item : value.written.items) add(item);
@@ -53,7 +53,7 @@ void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level)
       } else {
         const auto [at, fresh] = files_.try_emplace(id);
         SubgraphFile& file = at->second;
-        if (fresh && level < max_nesting) {
+        if (fresh && level < kMaxNesting) {
           if (const auto text = read_graph_text(file_of(doc, node), file.found)) {
             file.doc = read_document(*text, file_of(doc, node), file.found);
             around_.insert(id);

@@ -13,10 +13,10 @@
 namespace terrazzo {
 
 // A graph that exceeds these limits is rejected before it is built.
-inline constexpr std::uint64_t max_expanded_nodes = 100'000;
-inline constexpr std::size_t max_expanded_wires = 2'000'000;
-inline constexpr int max_nesting = 32;
-inline constexpr std::uint64_t max_expanded_bytes = 1 << 30;  // of everything written in the nodes
+inline constexpr std::uint64_t kMaxExpandedNodes = 100'000;
+inline constexpr std::size_t kMaxExpandedWires = 2'000'000;
+inline constexpr int kMaxNesting = 32;
+inline constexpr std::uint64_t kMaxExpandedBytes = 1 << 30;  // of everything written in the nodes
 
 struct SubgraphFile {
   std::optional<RawDocument> doc;   // none if the file cannot be read

@@ -131,7 +131,7 @@ constexpr std::array kKeys = {"terrazzo", "name", "doc", "parameters", "nodes", 
 
 // The text of one top-level key as it is written anew. "" if the key is not needed.
 std::string fresh_section(const RawDocument& doc, const std::string& key) {
-  if (key == "terrazzo") return fmt::format("terrazzo: {}\n", graph_format);
+  if (key == "terrazzo") return fmt::format("terrazzo: {}\n", kGraphFormat);
   if (key == "name") return doc.name.empty() ? "" : "name: " + yaml_word(doc.name) + "\n";
   if (key == "doc") return doc.doc.empty() ? "" : "doc: " + yaml_word(doc.doc) + "\n";
   if (key == "parameters") return section_text(key, doc.parameters);
@@ -238,7 +238,7 @@ class Original {
     const std::size_t start = starts_.at(key), stop = end(key);
     std::vector<std::size_t> at;
     for (const auto& item : before) {
-      const auto number = static_cast<std::size_t>(line(item) - 1);
+      const std::size_t number = line(item) - 1;
       if (number <= (at.empty() ? start : at.back()) || number >= stop)
         return lead(key) + section_text(key, now);
       at.push_back(number);

@@ -44,7 +44,7 @@ std::string write(const Graph& graph, const std::vector<bool>& which,
   const auto wanted = [&](int i) { return which.empty() || which[i]; };
   const auto reference = [&](const Wire& w) { return graph.nodes[w.node].path + "." + w.port; };
   YAML::Emitter out;
-  out << YAML::BeginMap << YAML::Key << "terrazzo" << YAML::Value << graph_format;
+  out << YAML::BeginMap << YAML::Key << "terrazzo" << YAML::Value << kGraphFormat;
   out << YAML::Key << "name" << YAML::Value << YAML::DoubleQuoted << graph.name;
   out << YAML::Key << "nodes" << YAML::Value << YAML::BeginMap;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {

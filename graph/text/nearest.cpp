@@ -34,8 +34,8 @@ std::string lower(std::string s) {
 
 std::string nearest(const std::string& name, const std::vector<std::string>& candidates) {
   // A graph may have a hundred thousand names, and as many mistakes.
-  constexpr std::size_t longest = 100, most = 1000;
-  if (name.size() > longest || candidates.size() > most) return {};
+  constexpr std::size_t kLongest = 100, kMost = 1000;
+  if (name.size() > kLongest || candidates.size() > kMost) return {};
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, name.size() / 2);
   for (const auto& c : candidates) {

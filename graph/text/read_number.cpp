@@ -30,11 +30,11 @@ std::optional<double> read_number(std::string_view text) {
 }
 
 std::optional<std::vector<double>> read_numbers(std::string_view text) {
-  constexpr std::string_view between = " \t\r\n,";
+  constexpr std::string_view kBetween = " \t\r\n,";
   std::vector<double> out;
-  for (skip(text, between); !text.empty(); skip(text, between)) {
+  for (skip(text, kBetween); !text.empty(); skip(text, kBetween)) {
     const auto value = take_number(text);
-    if (!value || (!text.empty() && between.find(text[0]) == std::string_view::npos)) return {};
+    if (!value || (!text.empty() && kBetween.find(text[0]) == std::string_view::npos)) return {};
     out.push_back(*value);
   }
   return out;

@@ -30,8 +30,8 @@ struct Detail {
   // `values` must not be empty.
   template <class T>
   static T at_distance(const std::vector<T>& values, float distance) {
-    const float at = std::clamp(distance - 0.5f, 0.0f, static_cast<float>(values.size() - 1));
-    const auto k = static_cast<std::size_t>(at);
+    const float at = std::clamp<float>(distance - 0.5f, 0.0f, values.size() - 1);
+    const std::size_t k = at;
     const float t = at - static_cast<float>(k);
     return t > 0 ? T((1 - t) * values[k] + t * values[k + 1]) : values[k];
   }

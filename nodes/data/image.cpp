@@ -1,5 +1,6 @@
 #include "nodes/data/image.h"
 
+#include "nodes/data/indices.h"
 #include "nodes/data/json.h"
 
 namespace terrazzo {
@@ -17,7 +18,7 @@ Image decode_image(Reader& r) {
   v.sections = r.pod<int>();
   v.pixel_size = r.pod<double>();
   v.pixels = r.raw_array<Vec3f>();
-  if (v.pixels.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
+  if (v.pixels.size() != pixels_in(v.width, v.height) * v.sections)
     throw Error("damaged", "the stored image has the wrong number of pixels");
   return v;
 }

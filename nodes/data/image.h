@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 #include "runtime/value.h"
 
@@ -19,7 +20,7 @@ struct Image {
         height(height),
         sections(sections),
         pixel_size(pixel_size),
-        pixels(static_cast<std::size_t>(width) * height * sections, fill) {}
+        pixels(pixels_in(width, height) * sections, fill) {}
 
   std::size_t index(int x, int y, int section = 0) const {
     return (static_cast<std::size_t>(section) * height + y) * width + x;

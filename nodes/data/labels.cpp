@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 namespace {
 
@@ -18,7 +20,7 @@ Labels decode_labels(Reader& r) {
   v.pixel_size = r.pod<double>();
   v.ids = r.array<std::int32_t>();
   v.classes = r.array<std::int32_t>();
-  if (v.ids.size() != static_cast<std::size_t>(v.width) * v.height * v.sections)
+  if (v.ids.size() != pixels_in(v.width, v.height) * v.sections)
     throw Error("damaged", "the stored labels have the wrong number of pixels");
   return v;
 }

@@ -212,13 +212,13 @@ Volume decode_volume(Reader& r) {
 template <class Grid>
 nlohmann::json range_of(const Grid& grid) {
   using T = typename Grid::ValueType;
-  constexpr int n = openvdb::VecTraits<T>::Size;
+  constexpr int kN = openvdb::VecTraits<T>::Size;
   using Component = typename openvdb::VecTraits<T>::ElementType;
-  std::array<Component, n> lo{}, hi{};
+  std::array<Component, kN> lo{}, hi{};
   bool any = false;
   for (auto it = grid.cbeginValueOn(); it; ++it) {
     const T value = *it;
-    for (int c = 0; c < n; ++c) {
+    for (int c = 0; c < kN; ++c) {
       Component x;
       if constexpr (openvdb::VecTraits<T>::IsVec)
         x = value[c];
@@ -230,7 +230,7 @@ nlohmann::json range_of(const Grid& grid) {
     any = true;
   }
   if (!any) return {nullptr, nullptr};
-  if constexpr (n == 1)
+  if constexpr (kN == 1)
     return {lo[0], hi[0]};
   else
     return {lo, hi};

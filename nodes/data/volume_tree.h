@@ -66,7 +66,7 @@ class TreeCodec {
       if (!taken.insert(at).second) damaged();
       tree->root().addTile(at, value, read_flag(r));
     }
-    const std::size_t children = r.count(12 + mask_bytes<Upper>);
+    const std::size_t children = r.count(12 + kMaskBytes<Upper>);
     for (std::size_t i = 0; i < children; ++i) {
       const openvdb::Coord at = read_coord(r);
       if (!taken.insert(at).second) damaged();
@@ -88,7 +88,7 @@ class TreeCodec {
     Tile tile;
   };
   template <class Node>
-  static constexpr std::size_t mask_bytes = Node::NUM_VALUES / 8;
+  static constexpr std::size_t kMaskBytes = Node::NUM_VALUES / 8;
 
   [[noreturn]] static void damaged() { throw Error("damaged", "the stored volume is not a valid tree"); }
   static bool same(const T& a, const T& b) { return std::memcmp(&a, &b, sizeof(T)) == 0; }

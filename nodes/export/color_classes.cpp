@@ -7,6 +7,7 @@
 #include <map>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -17,8 +18,7 @@ using Cell = std::array<std::int64_t, 3>;
 int number_cells(const std::vector<Cell>& cells, std::vector<int>& of) {
   std::map<Cell, int> numbers;
   of.clear();
-  for (const Cell& c : cells)
-    of.push_back(numbers.emplace(c, static_cast<int>(numbers.size())).first->second);
+  for (const Cell& c : cells) of.push_back(numbers.emplace(c, count_of(numbers)).first->second);
   return numbers.size();
 }
 
@@ -51,7 +51,7 @@ ColorClasses color_classes(const std::vector<Vec3f>& colors, int most) {
         cell[k] = std::min<std::int64_t>(std::llround(std::floor(encoded[k])), steps - 1);
       return cell;
     });
-  std::vector<Vec3> sum(static_cast<std::size_t>(classes), Vec3::Zero());
+  std::vector<Vec3> sum(classes, Vec3::Zero());
   std::vector<std::size_t> members(sum.size());
   for (std::size_t i = 0; i < colors.size(); ++i) {
     sum[out.of[i]] += colors[i].cast<double>();

@@ -98,7 +98,7 @@ Regions find_regions(const VoxelSource& id, const VoxelBox& box, const Particles
     } else if (voxels[p] == 0) {
       out.of_particle.push_back(-1);
     } else {
-      out.of_particle.push_back(static_cast<std::int32_t>(out.all.size()));
+      out.of_particle.push_back(out.all.size());
       out.all.push_back({is_void(p) ? Region::Is::Void : Region::Is::Particle, index, cls, phase, voxels[p]});
     }
   }

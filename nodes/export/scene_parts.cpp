@@ -11,6 +11,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/render_mesh.h"
 #include "nodes/common/io/checked_file.h"
+#include "nodes/data/indices.h"
 #include "nodes/export/color_classes.h"
 #include "nodes/export/instances.h"
 #include "runtime/codec.h"
@@ -20,7 +21,7 @@ namespace terrazzo::exporting {
 
 Vec3 Scene::eye() const {
   // The sphere around the box fits into the view.
-  const double distance = particles->box.norm() / 2 / std::sin(scene_view_angle / 2 * std::numbers::pi / 180);
+  const double distance = particles->box.norm() / 2 / std::sin(kSceneViewAngle / 2 * std::numbers::pi / 180);
   return center() + distance * Vec3(0.5, -0.75, 0.45).normalized();
 }
 
@@ -44,8 +45,7 @@ Scene scene_of(const Particles& particles, const Shapes& shapes, const std::stri
   for (std::size_t i = 0; i < particles.count(); ++i) {
     if (particles.is_void(i)) continue;
     const int color = classes.of[solid++];
-    const auto [it, first] =
-        known.emplace(std::pair(particles.shape[i], color), static_cast<int>(out.groups.size()));
+    const auto [it, first] = known.emplace(std::pair(particles.shape[i], color), count_of(out.groups));
     if (first) out.groups.push_back({static_cast<std::size_t>(particles.shape[i]), color});
     out.group[i] = it->second;
   }

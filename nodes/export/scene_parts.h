@@ -43,10 +43,10 @@ struct Scene {
 };
 
 // Degrees, of the shorter side of the picture.
-inline constexpr double scene_view_angle = 30;
-inline constexpr int scene_width = 1024;
-inline constexpr int scene_height = 1024;
-inline constexpr int scene_samples = 64;
+inline constexpr double kSceneViewAngle = 30;
+inline constexpr int kSceneWidth = 1024;
+inline constexpr int kSceneHeight = 1024;
+inline constexpr int kSceneSamples = 64;
 
 // At most `most_colors` colors (color_classes). Mesh files are named STEM_0.ply and so on, by shape. Throws
 // the errors of instances_of, and Error "bad-names" if `stem` contains quotes, backslashes or control

@@ -283,7 +283,7 @@ class Smoother {
     const std::vector<Vec3>& nodes = b_.net.nodes;
     if (neighbors_.count[n] == 0) return nodes[n];
     Vec3 sum = Vec3::Zero();
-    for (int k = 0; k < neighbors_.count[n]; ++k) sum += nodes[neighbors_.of[n][static_cast<std::size_t>(k)]];
+    for (int k = 0; k < neighbors_.count[n]; ++k) sum += nodes[neighbors_.of[n][k]];
     Vec3 to = (1 - share) * nodes[n] + share * sum / neighbors_.count[n];
     const Vec3i& p = b_.point[n];
     const Vec3 from = lattice_.place(p);

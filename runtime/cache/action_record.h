@@ -17,7 +17,7 @@ struct NodeType;  // graph/node_type.h
 
 // Values of at most this many encoded bytes are stored in the records of the computations that made them.
 // Such a record still fits into one block of most file systems.
-inline constexpr std::size_t small_value = 2048;
+inline constexpr std::size_t kSmallValue = 2048;
 
 struct OutputRecord {
   std::string type;

@@ -29,7 +29,7 @@ constexpr const char* tag_text =
     "# For information about cache directory tags see https://bford.info/cachedir/\n";
 
 bool is_table(const std::string& name) {
-  for (const char* table : cache_tables)
+  for (const char* table : kCacheTables)
     if (name == table) return true;
   return false;
 }
@@ -123,12 +123,12 @@ struct Mark {
 };
 
 Mark mark_of(const fs::path& folder) {
-  constexpr std::uint64_t longest = 4096;
+  constexpr std::uint64_t kLongest = 4096;
   const fs::path path = folder / version_file;
   std::error_code error;
   const fs::file_status there = fs::status(path, error);
   if (there.type() == fs::file_type::not_found) return {true, "it is not marked as a cache"};
-  const FileText mark = read_input_file(path, longest);
+  const FileText mark = read_input_file(path, kLongest);
   if (!mark) return {false, fmt::format("cannot read '{}': {}", path.string(), mark.trouble)};
   if (mark.text == version_text) return {};
   const std::string_view number(mark.text.data(), mark.text.empty() ? 0 : mark.text.size() - 1);

@@ -17,7 +17,7 @@
 
 namespace terrazzo {
 
-inline constexpr std::array cache_tables = {"actions", "values", "files", "history"};
+inline constexpr std::array kCacheTables = {"actions", "values", "files", "history"};
 
 // Creates the folder if it is missing, accessible only to the user, and marks it. Accepts an unmarked folder
 // from an earlier version if it contains nothing but cache entries. Throws Error "not-a-cache" if the folder

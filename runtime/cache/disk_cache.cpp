@@ -22,7 +22,7 @@ bool removed(const fs::path& path) {
   return fs::remove(path, error);
 }
 
-constexpr double hour = 3600, day = 24 * hour;
+constexpr double kHour = 3600, kDay = 24 * kHour;
 
 std::shared_ptr<const ActionRecord> record_in(const CacheFile& f) {
   const auto text = f.name ? read_file(f.path) : std::nullopt;
@@ -39,7 +39,7 @@ bool any_value_of(const fs::path& folder, const ActionRecord& record) {
 // Removes a file that saves no time: a leftover of an interrupted writer, or an entry other than a value that
 // is unused for 90 days and, if it is a record, has lost its values. True if the file was removed.
 bool remove_worthless(const fs::path& folder, const char* table, const CacheFile& f, Collected& out) {
-  if (f.age <= (f.name ? 90 * day : hour)) return false;  // younger temporary files may still be in use
+  if (f.age <= (f.name ? 90 * kDay : kHour)) return false;  // younger temporary files may still be in use
   const std::string name = table;
   if (f.name && name == "values") return false;
   const bool is_record = f.name && name == "actions";
@@ -59,7 +59,7 @@ CacheStats cache_stats(const fs::path& folder) {
     ++k.count;
     k.bytes += f.bytes;
   };
-  for (const char* table : cache_tables)
+  for (const char* table : kCacheTables)
     each_cache_file(folder, table, -1, [&](const CacheFile& f) {
       const std::string name = table;
       if (f.name && name == "actions") {
@@ -94,7 +94,7 @@ struct Entries {
 // Lists the entries in one part of the tables, or in all parts, and removes worthless files on the way.
 Entries look_through(const fs::path& folder, int part, Collected& out) {
   Entries all;
-  for (const std::string table : cache_tables)
+  for (const std::string table : kCacheTables)
     each_cache_file(folder, table.c_str(), part, [&](const CacheFile& f) {
       if (remove_worthless(folder, table.c_str(), f, out)) return;
       if (f.name && table == "values") {
@@ -135,7 +135,7 @@ void reduce(Entries& all, double limit, Collected& out) {
     for (std::size_t i = 0; i < all.values.size(); ++i) {
       const CacheFile& f = all.values[i];
       const auto summary = value_summary(f.path);
-      order.emplace_back((summary ? summary->seconds : 0) / (f.bytes + 1) / (f.age / day + 1), i);
+      order.emplace_back((summary ? summary->seconds : 0) / (f.bytes + 1) / (f.age / kDay + 1), i);
     }
     std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
       return std::pair(a.first, all.values[a.second].name) < std::pair(b.first, all.values[b.second].name);
@@ -173,8 +173,8 @@ Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
   if (bytes <= limit) return out;
   // Entries are spread evenly over the parts, so each inspected part is reduced to its share of the limit
   // until enough space is free. A small cache, or one of unknown size, is collected completely.
-  constexpr std::size_t many = 100;
-  if (!known || found.values.size() + found.records.size() < many) return collect_cache(folder, limit);
+  constexpr std::size_t kMany = 100;
+  if (!known || found.values.size() + found.records.size() < kMany) return collect_cache(folder, limit);
   const CacheLock lock(folder);
   if (!lock.held()) {
     out.busy = true;
@@ -193,7 +193,7 @@ Collected tend_cache(const fs::path& folder, std::uint64_t limit) {
 
 void clear_cache(const fs::path& folder) {
   std::string trouble;
-  for (const char* table : cache_tables) {
+  for (const char* table : kCacheTables) {
     each_cache_file(folder, table, -1, [&](const CacheFile& f) {
       std::error_code error;
       fs::remove(f.path, error);

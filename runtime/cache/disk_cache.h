@@ -14,7 +14,7 @@
 
 namespace terrazzo {
 
-inline constexpr std::uint64_t default_cache_limit = 20'000'000'000;
+inline constexpr std::uint64_t kDefaultCacheLimit = 20'000'000'000;
 
 struct CacheStats {
   struct Kind {

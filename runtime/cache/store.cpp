@@ -35,7 +35,7 @@ class ValueWriter : public Writer {
   void bytes(const void* data, std::size_t size) override {
     if (size == 0) return;  // an empty vector has no address
     hash_.bytes(data, size);
-    if (!file_ && small_.size() + size <= small_value) {
+    if (!file_ && small_.size() + size <= kSmallValue) {
       small_.append(static_cast<const char*>(data), size);
       return;
     }
@@ -119,8 +119,8 @@ void Store::add_usage() {
 }
 
 void Store::note_usage(std::int64_t bytes) {
-  constexpr std::int64_t much = 16 << 20;
-  if ((usage_ += bytes) >= much) add_usage();
+  constexpr std::int64_t kMuch = 16 << 20;
+  if ((usage_ += bytes) >= kMuch) add_usage();
 }
 
 void Store::note_trouble(const std::string& what) {
@@ -204,7 +204,7 @@ void Store::move_to_its_place(TemporaryFile& file, const OutputRecord& record) {
   std::error_code error;
   if (!fs::exists(place, error)) {
     fs::create_directories(place.parent_path(), error);
-    note_usage(bytes_on_disk(record.bytes + value_head_size));
+    note_usage(bytes_on_disk(record.bytes + kValueHeadSize));
   }
   file.rename_to(place);
   written_ += record.bytes;
@@ -310,7 +310,7 @@ Value Store::get_value(const OutputRecord& r, double seconds, bool keep) {
   if (!v && !folder_.empty()) {
     const fs::path path = cache_entry(folder_, "values", r.content);
     // A file of another size is damaged, and is not read.
-    const FileText data = read_input_file(path, r.bytes + value_head_size);
+    const FileText data = read_input_file(path, r.bytes + kValueHeadSize);
     if (data || data.too_large) {
       if (const auto payload = value_payload(data.text, r.content); !payload.empty()) v = decoded(payload);
       std::error_code ignored;

@@ -28,12 +28,12 @@ struct ComputedTwice {
 
 class Store {
  public:
-  static constexpr std::uint64_t default_memory = 2ull << 30;
+  static constexpr std::uint64_t kDefaultMemory = 2ull << 30;
 
   // Without a folder, results are kept only in memory. The same happens if the folder is not usable as a
   // cache; trouble() then gives the reason. `memory`: bytes of values to keep in memory in addition to those
   // in use.
-  Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = default_memory);
+  Store(const ValueTypes& types, std::filesystem::path folder, std::uint64_t memory = kDefaultMemory);
   ~Store();  // calls add_usage()
 
   // Null if there is no record.

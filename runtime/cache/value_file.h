@@ -11,7 +11,7 @@
 
 namespace terrazzo {
 
-inline constexpr std::size_t value_head_size = 24;
+inline constexpr std::size_t kValueHeadSize = 24;
 
 // The header: magic bytes, the computing time in seconds, and a checksum of both. The time is stored here so
 // that collecting does not have to find the value's record.

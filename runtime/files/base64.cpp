@@ -8,22 +8,22 @@
 namespace terrazzo {
 namespace {
 
-constexpr std::string_view base64_alphabet =
+constexpr std::string_view kBase64Alphabet =
     "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 std::array<std::int8_t, 256> base64_values() {
   std::array<std::int8_t, 256> values;
   values.fill(-1);
-  for (std::size_t i = 0; i < base64_alphabet.size(); ++i)
-    values[static_cast<unsigned char>(base64_alphabet[i])] = i;
+  for (std::size_t i = 0; i < kBase64Alphabet.size(); ++i)
+    values[static_cast<unsigned char>(kBase64Alphabet[i])] = i;
   return values;
 }
 
 void encode_three(const unsigned char* in, char* out) {
-  out[0] = base64_alphabet[in[0] >> 2];
-  out[1] = base64_alphabet[(in[0] & 3) << 4 | in[1] >> 4];
-  out[2] = base64_alphabet[(in[1] & 15) << 2 | in[2] >> 6];
-  out[3] = base64_alphabet[in[2] & 63];
+  out[0] = kBase64Alphabet[in[0] >> 2];
+  out[1] = kBase64Alphabet[(in[0] & 3) << 4 | in[1] >> 4];
+  out[2] = kBase64Alphabet[(in[1] & 15) << 2 | in[2] >> 6];
+  out[3] = kBase64Alphabet[in[2] & 63];
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ void Base64Writer::write(const void* data, std::size_t size) {
   std::array<char, 4096> text;
   std::size_t used = 0;
   const auto flush = [&] {
-    out_.write(text.data(), static_cast<std::streamsize>(used));
+    out_.write(text.data(), used);
     used = 0;
   };
   while (size > 0) {

@@ -28,7 +28,7 @@ bool is_too_deep(std::string_view text) {
       ++depth;
     else if (!in_string && (c == '}' || c == ']'))
       --depth;
-    if (depth > deepest_json) return true;
+    if (depth > kDeepestJson) return true;
   }
   return false;
 }
@@ -37,7 +37,7 @@ bool is_too_deep(std::string_view text) {
 
 nlohmann::json parse_json(std::string_view text) {
   if (is_too_deep(text))
-    throw Error("bad-json", fmt::format("its values are nested more than {} deep", deepest_json));
+    throw Error("bad-json", fmt::format("its values are nested more than {} deep", kDeepestJson));
   try {
     return nlohmann::json::parse(text);
   } catch (const nlohmann::json::exception& e) {
@@ -53,8 +53,8 @@ nlohmann::json json_or_null(std::string_view text) {
 }
 
 nlohmann::json read_json_file(const std::filesystem::path& path) {
-  constexpr std::uint64_t most = std::uint64_t{1} << 30;
-  const FileText file = read_input_file(path, most);
+  constexpr std::uint64_t kMost = std::uint64_t{1} << 30;
+  const FileText file = read_input_file(path, kMost);
   if (file.too_large)
     throw Error("too-large", fmt::format("cannot read '{}': {}", path.string(), file.trouble));
   if (!file) return nullptr;

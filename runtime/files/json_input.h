@@ -9,7 +9,7 @@
 namespace terrazzo {
 
 // Values nested deeper are refused: copying, comparing and writing them is recursive.
-inline constexpr int deepest_json = 100;
+inline constexpr int kDeepestJson = 100;
 
 // Throws Error "bad-json", which says what is wrong with the text.
 nlohmann::json parse_json(std::string_view text);

@@ -45,7 +45,7 @@ class Elements {
 
   // An element is computed with the only one that uses it, unless that one takes a list of elements.
   void join_chains() {
-    constexpr int several = -1;
+    constexpr int kSeveral = -1;
     std::map<int, int> only_user;
     for (std::size_t i = 0; i < graph_.nodes.size(); ++i) {
       const int user = of_node_[i];
@@ -56,12 +56,12 @@ class Elements {
           if (const int s = of_node_[w.node]; s >= 0 && s != user) sources.insert(s);
         for (const int s : sources) {
           const auto [known, fresh] = only_user.try_emplace(s, user);
-          if (known->second != user || sources.size() > 1) known->second = several;
+          if (known->second != user || sources.size() > 1) known->second = kSeveral;
         }
       }
     }
     for (const auto& [source, user] : only_user) {
-      if (user == several) continue;
+      if (user == kSeveral) continue;
       const int a = root(source), b = root(user);
       next(std::max(a, b)) = std::min(a, b);
     }

@@ -33,13 +33,13 @@ void shorten_lists(json& j, std::size_t most) {
 }
 
 json summary_json(const json& all) {
-  constexpr std::size_t most_characters = 20'000;
+  constexpr std::size_t kMostCharacters = 20'000;
   json out;
   for (const std::size_t most : {50, 20, 8, 3, 1}) {
     out = all;
     shorten_lists(out, most);
     shorten_texts(out, 200);
-    if (out.dump(-1, ' ', false, json::error_handler_t::replace).size() <= most_characters) break;
+    if (out.dump(-1, ' ', false, json::error_handler_t::replace).size() <= kMostCharacters) break;
   }
   return out;
 }

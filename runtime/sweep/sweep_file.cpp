@@ -17,13 +17,13 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 namespace {
 
-constexpr int sweep_format = 2;
+constexpr int kSweepFormat = 2;
 
 json sweep_json(const SweepFile& s) {
   json vary = json::array(), parts = json::array();
   for (const auto& v : s.points.vary()) vary.push_back({{"target", v.target}, {"values", v.values}});
   for (const auto& p : s.points.parts()) parts.push_back({{"name", p.name}, {"targets", p.targets}});
-  return {{"terrazzo_sweep", sweep_format},
+  return {{"terrazzo_sweep", kSweepFormat},
           {"folder", s.folder},
           {"graph", s.graph},
           {"targets", s.targets},
@@ -56,7 +56,7 @@ SweepFile read_sweep_file(const fs::path& path) {
     return Error("sweep-file", fmt::format("cannot use '{}' as a sweep: {}", path.string(), why),
                  "`terrazzo sweep` writes sweep.json into its output folder");
   };
-  const FileText file = read_input_file(path, most_text_bytes);
+  const FileText file = read_input_file(path, kMostTextBytes);
   if (!file) throw bad(file.trouble);
   json j;
   try {
@@ -65,8 +65,8 @@ SweepFile read_sweep_file(const fs::path& path) {
     throw bad(e.diagnostic().message);
   }
   try {
-    if (const int format = j.at("terrazzo_sweep"); format != sweep_format)
-      throw bad(fmt::format("it has format {}, and this program reads format {}", format, sweep_format));
+    if (const int format = j.at("terrazzo_sweep"); format != kSweepFormat)
+      throw bad(fmt::format("it has format {}, and this program reads format {}", format, kSweepFormat));
     using Settings = std::vector<std::pair<std::string, std::string>>;
     SweepFile out;
     out.folder = j.at("folder");

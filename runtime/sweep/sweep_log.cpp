@@ -96,12 +96,12 @@ std::vector<json> LogReader::news() {
   std::vector<json> out;
   const InputFile file(file_);
   if (!file || file.size() <= offset_) return out;
-  if (file.size() - offset_ > most_text_bytes) {
+  if (file.size() - offset_ > kMostTextBytes) {
     ++damaged_;
     return out;
   }
   std::string text(file.size() - offset_, '\0');
-  const ssize_t got = ::pread(file.descriptor(), text.data(), text.size(), static_cast<off_t>(offset_));
+  const ssize_t got = ::pread(file.descriptor(), text.data(), text.size(), offset_);
   if (got <= 0) return out;
   text.resize(got);
   std::size_t at = 0;

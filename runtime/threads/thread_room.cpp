@@ -10,8 +10,8 @@
 namespace terrazzo {
 
 void require_room_for_threads(int threads) {
-  constexpr std::uint64_t own = 128'000'000, per_thread = 16'000'000;
-  const std::uint64_t needed = own + per_thread * threads;
+  constexpr std::uint64_t kOwn = 128'000'000, kPerThread = 16'000'000;
+  const std::uint64_t needed = kOwn + kPerThread * threads;
   const std::uint64_t left = available_address_space();
   if (left < needed)
     throw Error("no-memory",

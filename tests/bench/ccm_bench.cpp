@@ -126,7 +126,7 @@ void ccm_nib(benchmark::State& state) {
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
     picture.pixels[i] = Vec3f::Constant(0.05f + 0.1f * static_cast<float>(field.at[i]) +
                                         0.04f * static_cast<float>(Random(2, 0, i).uniform()));
-  NibSettings s;
+  NibOptions s;
   s.extent = static_cast<int>(state.range(0));
   Nib nib(picture, learn(picture, std::vector<std::uint8_t>(picture.pixels.size(), 1), s),
           {.finish = static_cast<Finish>(state.range(1))});

@@ -38,7 +38,7 @@ SolidTexture texture(std::uint64_t seed, const Vec3f& color) {
 
 const Scene& scene() {
   static const Scene s = [] {
-    phantom::LimbChoice limb;
+    phantom::LimbOptions limb;
     limb.resolution = Vec3i(256, 256, 256);
     Look look;
     look.up = 1;
@@ -153,7 +153,7 @@ void render_vase_64(benchmark::State& state) {
   const ColorField field(Vec3i(n, n, n), colors);
   const auto paint = field_paint(field, 1.5, {}, false);
   const auto vase = object_solid(*paint, vase_form());
-  RenderSettings settings;
+  RenderOptions settings;
   settings.width = settings.height = 512, settings.samples = 64;
   const Camera camera = Camera::framing(vase->bounds(), -0.7f, 0.5f, 512, 512);
   for (auto _ : state) benchmark::DoNotOptimize(render(*vase, Studio({}), camera, settings));

@@ -50,7 +50,7 @@ struct Made {
 
 Made make(int side, bool reference, bool blockwise = false) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  so::SolidSettings s;
+  so::SolidOptions s;
   s.size = Vec3i::Constant(side);
   if (reference) s.method = so::SolidMethod::Reference;
   if (reference) s.iterations = {100, 20, 10}, s.color = so::SolidColor::Rgb;

@@ -130,12 +130,12 @@ TEST_F(GraphSize, TenThousandNodesLoad) {
 }
 
 TEST_F(GraphSize, NestingHasALimitAndWorksUpToIt) {
-  for (const int levels : {max_nesting, max_nesting + 1, 100}) {
+  for (const int levels : {kMaxNesting, kMaxNesting + 1, 100}) {
     for (int level = 0; level < levels; ++level)
       write(name(level), "nodes:\n  s: {graph: " + name(level + 1) + "}\noutputs: {out: s.out}\n");
     write(name(levels), "nodes:\n  c: {type: Constant}\noutputs: {out: c.out}\n");
     const Graph g = load(name(0));
-    if (levels == max_nesting) {
+    if (levels == kMaxNesting) {
       EXPECT_EQ(all(), "");
       ASSERT_EQ(g.outputs.size(), 1u);
       EXPECT_EQ(g.nodes.at(static_cast<std::size_t>(g.outputs[0].wire.node)).type->name, "Constant");

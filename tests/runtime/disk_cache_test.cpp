@@ -23,7 +23,7 @@ using Paths = std::vector<std::string>;
 
 class DiskCache : public ::testing::Test {
  protected:
-  RunResult run(const Graph& g, std::uint64_t memory = Store::default_memory) {
+  RunResult run(const Graph& g, std::uint64_t memory = Store::kDefaultMemory) {
     Store store(test::value_types(), cache, memory);
     FileHashes hashes;
     RunOptions o;

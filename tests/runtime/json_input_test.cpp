@@ -28,8 +28,8 @@ std::string message_of(const std::string& text) {
 
 TEST(JsonInput, DeepNestingIsRefused) {
   const auto nested = [](std::size_t depth) { return std::string(depth, '[') + std::string(depth, ']'); };
-  EXPECT_EQ(parse_json(nested(deepest_json)).size(), 1u);
-  EXPECT_EQ(message_of(nested(deepest_json + 1)), "its values are nested more than 100 deep");
+  EXPECT_EQ(parse_json(nested(kDeepestJson)).size(), 1u);
+  EXPECT_EQ(message_of(nested(kDeepestJson + 1)), "its values are nested more than 100 deep");
   std::string objects;
   for (int k = 0; k < 1'000'000; ++k) objects += "{\"a\":";
   EXPECT_EQ(message_of(objects), "its values are nested more than 100 deep");

@@ -77,9 +77,9 @@ TEST_F(SmallValues, AreThoseOfAtMostTwoKilobytes) {
   for (const std::size_t more : {0u, 1u}) {
     Store store(test::value_types(), cache);
     const std::size_t head = store.put_value(Value::of(Table{{""}, {}})).bytes;
-    const Value v = Value::of(Table{{std::string(small_value - head + more, 'x')}, {}});
+    const Value v = Value::of(Table{{std::string(kSmallValue - head + more, 'x')}, {}});
     const OutputRecord output = store.put_value(v, 1);
-    EXPECT_EQ(output.bytes, small_value + more);
+    EXPECT_EQ(output.bytes, kSmallValue + more);
     EXPECT_EQ(output.small != nullptr, more == 0);
     EXPECT_EQ(files("values"), more);
     Store other(test::value_types(), cache);

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::carve {
 
 Image bake_atlas(const Mesh& mesh, int size, const std::function<Vec3f(std::size_t t, const Vec3& p)>& color,
                  std::vector<CornerUv>& uv, const Work& work) {
   const std::size_t pairs = (mesh.triangles.size() + 1) / 2;
-  int per_row = std::max(1, static_cast<int>(std::floor(std::sqrt(double(pairs)))));
+  int per_row = std::max(1, round_down(std::sqrt(double(pairs))));
   while (static_cast<std::size_t>(per_row) * per_row < pairs) ++per_row;
   const int cell = size / per_row;
   if (cell < 4)

@@ -13,7 +13,7 @@
 namespace terrazzo::carve {
 namespace {
 
-constexpr float band = 3;  // voxels
+constexpr float kBand = 3;  // voxels
 
 // On one thread, so that equal distances are always decided in the same way.
 template <class Call>
@@ -37,8 +37,8 @@ openvdb::FloatGrid::Ptr grid_of(const Mesh& mesh, const std::vector<Triangle>& t
                          static_cast<openvdb::Index32>(t[2]));
   const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, corners);
   openvdb::util::NullInterrupter never;
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, *voxel_transform(voxel), band, band,
-                                                          0, nullptr);
+  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(never, adapter, *voxel_transform(voxel), kBand,
+                                                          kBand, 0, nullptr);
 }
 
 // The library fills cavities, so surfaces that face inward are subtracted.

@@ -52,20 +52,20 @@ float BrokenBlock::height(float x, float y) const {
 }
 
 Shape BrokenBlock::under_the_face() const {
-  constexpr int n = kFaceSteps;
+  constexpr int kN = kFaceSteps;
   Shape s;
   s.smooth = true;
-  const auto place = [&](int i, float edge) { return double(edge) * (1.1 * i / n - 0.05); };
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
+  const auto place = [&](int i, float edge) { return double(edge) * (1.1 * i / kN - 0.05); };
+  for (int j = 0; j <= kN; ++j)
+    for (int i = 0; i <= kN; ++i) {
       const double x = place(i, size_.x()), y = place(j, size_.y());
       s.mesh.vertices.push_back(Vec3(x, y, height(float(x), float(y))));
     }
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int a = j * (n + 1) + i;
-      s.mesh.triangles.push_back({a, a + 1, a + n + 2});
-      s.mesh.triangles.push_back({a, a + n + 2, a + n + 1});
+  for (int j = 0; j < kN; ++j)
+    for (int i = 0; i < kN; ++i) {
+      const int a = j * (kN + 1) + i;
+      s.mesh.triangles.push_back({a, a + 1, a + kN + 2});
+      s.mesh.triangles.push_back({a, a + kN + 2, a + kN + 1});
     }
   return s;
 }

@@ -66,7 +66,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
   field.resolution_ = Vec3i(size.x(), size.y(), size.z());
   const Vec3i n = field.resolution_;
   field.voxels_.resize(voxel_count(n));
-  std::vector<std::size_t> outside(static_cast<std::size_t>(n.z()));
+  std::vector<std::size_t> outside(n.z());
   work.parallel(n.z(), 4, [&](std::size_t begin, std::size_t end) {
     auto voxels = grid->getConstAccessor();
     for (std::size_t z = begin; z < end; ++z) {
@@ -92,7 +92,7 @@ int ColorField::wrap(int i, int axis) const {
 
 namespace {
 
-constexpr float unit = 1.0f / (65535.0f * 65535.0f);
+constexpr float kUnit = 1.0f / (65535.0f * 65535.0f);
 
 }  // namespace
 
@@ -115,7 +115,7 @@ Vec3f ColorField::at(const Vec3f& voxel) const {
     sum += w * squared(at[0][x], at[1][y], at[2][z]);
     total += w;
   }
-  return sum * (unit / total);
+  return sum * (kUnit / total);
 }
 
 Vec3f ColorField::sharp(const Vec3f& voxel) const {
@@ -145,7 +145,7 @@ Vec3f ColorField::sharp(const Vec3f& voxel) const {
         }
     }
   }
-  return (sum * (unit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
+  return (sum * (kUnit / total)).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 bool has_voids(const Volume& volume) { return volume.find<openvdb::FloatGrid>("void") != nullptr; }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 #include "runtime/work.h"
 
@@ -41,7 +42,7 @@ class ColorField {
   void set(std::size_t index, const Vec3f& linear, std::size_t& outside);
   int wrap(int i, int axis) const;
   Vec3f squared(int x, int y, int z) const {
-    const auto& v = voxels_[(static_cast<std::size_t>(z) * resolution_.y() + y) * resolution_.x() + x];
+    const auto& v = voxels_[voxel_at(x, y, z, resolution_)];
     const Vec3f root(v[0], v[1], v[2]);
     return root.cwiseProduct(root);
   }

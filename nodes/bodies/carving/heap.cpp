@@ -27,7 +27,7 @@ class Heap : public Solid {
       instance.linear = (rotation * scale).cast<float>();
       instance.offset = (particles.position[i] / longest).cast<float>();
       instances.push_back(instance);
-      particle_.push_back(static_cast<int>(i));
+      particle_.push_back(i);
       rotations_.push_back(rotation.cast<float>());
       mesh_of_.push_back(instance.mesh);
       for (const Vec3& v : shapes.shapes[instance.mesh].mesh.vertices)

@@ -4,10 +4,11 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/bodies/carving/particle_index.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::carving {
 namespace {
-constexpr std::size_t most = 4'000'000;  // about 300 bytes each
+constexpr std::size_t kMost = 4'000'000;  // about 300 bytes each
 }
 
 std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
@@ -35,8 +36,8 @@ std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f
     const Mat3 rotation = turn.transpose() * particles.orientation[i].normalized().toRotationMatrix();
     Vec3i lo, hi;
     for (int k = 0; k < 3; ++k) {
-      lo[k] = static_cast<int>(std::ceil((reach.min()[k] - r - particles.position[i][k]) / box[k]));
-      hi[k] = static_cast<int>(std::floor((reach.max()[k] + r - particles.position[i][k]) / box[k]));
+      lo[k] = round_up((reach.min()[k] - r - particles.position[i][k]) / box[k]);
+      hi[k] = round_down((reach.max()[k] + r - particles.position[i][k]) / box[k]);
     }
     for (int z = lo.z(); z <= hi.z(); ++z)
       for (int y = lo.y(); y <= hi.y(); ++y)
@@ -47,8 +48,8 @@ std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f
           instance.linear = (rotation * (particles.scale[i] / unit)).cast<float>();
           instance.offset = (turn.transpose() * mm / unit).cast<float>();
           if (bounds.squaredExteriorDistance(instance.offset) > r * r / (unit * unit)) continue;
-          if (images.size() == most)
-            throw Error("too-many-particles", "the body cuts more than " + std::to_string(most) + " voids",
+          if (images.size() == kMost)
+            throw Error("too-many-particles", "the body cuts more than " + std::to_string(kMost) + " voids",
                         "reduce `repeat`");
           images.push_back({instance, rotation.cast<float>()});
         }

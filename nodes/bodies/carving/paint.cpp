@@ -66,13 +66,13 @@ class ParticlePaint : public Paint {
 }  // namespace
 
 Placement Placement::of(const Vec3& degrees, const Vec3& shift) {
-  constexpr double d = 0.017453292519943295;
+  constexpr double kD = 0.017453292519943295;
   Placement placement;
-  placement.turn =
-      (Eigen::AngleAxisd(d * degrees.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(d * degrees.y(), Vec3::UnitY()) *
-       Eigen::AngleAxisd(d * degrees.x(), Vec3::UnitX()))
-          .toRotationMatrix()
-          .cast<float>();
+  placement.turn = (Eigen::AngleAxisd(kD * degrees.z(), Vec3::UnitZ()) *
+                    Eigen::AngleAxisd(kD * degrees.y(), Vec3::UnitY()) *
+                    Eigen::AngleAxisd(kD * degrees.x(), Vec3::UnitX()))
+                       .toRotationMatrix()
+                       .cast<float>();
   placement.shift = shift.cast<float>();
   return placement;
 }

@@ -6,6 +6,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
 #include "nodes/common/geometry/mesh/render_mesh.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::carving {
 
@@ -54,8 +55,8 @@ void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
   const float radius = outer_[particle];
   Vec3i low, high;
   for (int k = 0; k < 3; ++k) {
-    low[k] = static_cast<int>(std::floor((at[k] - radius) / size[k]));
-    high[k] = static_cast<int>(std::floor((at[k] + radius) / size[k]));
+    low[k] = round_down((at[k] - radius) / size[k]);
+    high[k] = round_down((at[k] + radius) / size[k]);
   }
   for (int z = low.z(); z <= high.z(); ++z)
     for (int y = low.y(); y <= high.y(); ++y)
@@ -64,9 +65,9 @@ void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
         Vec3f center = at;
         std::size_t list = 0;
         for (int k = 2; k >= 0; --k) {
-          const int periods = static_cast<int>(std::floor(float(cell[k]) / float(cells_[k])));
+          const int periods = round_down(float(cell[k]) / float(cells_[k]));
           center[k] -= float(periods) * box_[k];
-          list = list * static_cast<std::size_t>(cells_[k]) + (cell[k] - periods * cells_[k]);
+          list = list * cells_[k] + (cell[k] - periods * cells_[k]);
         }
         // Skip cells at the corners of the box that the sphere does not reach.
         float square = 0;
@@ -79,14 +80,14 @@ void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
 }
 
 void ParticleIndex::fill_cells(const Particles& particles) {
-  std::vector<std::vector<Entry>> lists(static_cast<std::size_t>(cells_.prod()));
+  std::vector<std::vector<Entry>> lists(cells_.prod());
   for (std::size_t i = 0; i < particles.count(); ++i)
-    list_in_cells(static_cast<std::int32_t>(i), particles.position[i].cast<float>(), lists);
+    list_in_cells(i, particles.position[i].cast<float>(), lists);
   for (const auto& l : lists) {
-    first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+    first_.push_back(entries_.size());
     entries_.insert(entries_.end(), l.begin(), l.end());
   }
-  first_.push_back(static_cast<std::uint32_t>(entries_.size()));
+  first_.push_back(entries_.size());
 }
 
 ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
@@ -97,15 +98,15 @@ ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const auto [outer, inner] = radii[particles.shape[i]];
     const double scale = std::abs(particles.scale[i]);
-    outer_.push_back(static_cast<float>(scale * outer * 1.0001));
-    inner_.push_back(static_cast<float>(scale * inner * 0.9999));
+    outer_.push_back(scale * outer * 1.0001);
+    inner_.push_back(scale * inner * 0.9999);
     const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
     to_mesh_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
     mesh_of_.push_back(particles.shape[i]);
   }
   // About two cells per mean diameter, limited to the memory of a few million cells.
   const double volume = particles.box.prod(), spacing = 0.5 * std::cbrt(volume / particles.count());
-  for (int k = 0; k < 3; ++k) cells_[k] = std::clamp(static_cast<int>(particles.box[k] / spacing), 1, 160);
+  for (int k = 0; k < 3; ++k) cells_[k] = std::clamp<int>(particles.box[k] / spacing, 1, 160);
   fill_cells(particles);
   for (auto& r : outer_) r *= r;
   for (auto& r : inner_) r *= r;
@@ -131,8 +132,8 @@ int ParticleIndex::at(const Vec3f& mm) const {
   std::size_t cell = 0;
   for (int k = 2; k >= 0; --k) {
     p[k] = mm[k] - std::floor(mm[k] / box_[k]) * box_[k];
-    const int c = std::clamp(static_cast<int>(p[k] / box_[k] * float(cells_[k])), 0, cells_[k] - 1);
-    cell = cell * static_cast<std::size_t>(cells_[k]) + c;
+    const int c = std::clamp<int>(p[k] / box_[k] * float(cells_[k]), 0, cells_[k] - 1);
+    cell = cell * cells_[k] + c;
   }
   for (std::uint32_t e = first_[cell]; e < first_[cell + 1]; ++e)
     if (holds(entries_[e].particle, p - entries_[e].center)) return entries_[e].particle;

@@ -105,12 +105,12 @@ BodyParts fracture_parts(const Particles& particles, const Shapes& shapes, doubl
   // Everything under the face, closed below: the box cuts it off at the block's sides.
   Mesh& mesh = parts.base.mesh;
   mesh = block.under_the_face().mesh;
-  constexpr int n = BrokenBlock::kFaceSteps;
+  constexpr int kN = BrokenBlock::kFaceSteps;
   std::vector<std::int32_t> rim;
-  for (int i = 0; i < n; ++i) rim.push_back(i);
-  for (int j = 0; j < n; ++j) rim.push_back(j * (n + 1) + n);
-  for (int i = n; i > 0; --i) rim.push_back(n * (n + 1) + i);
-  for (int j = n; j > 0; --j) rim.push_back(j * (n + 1));
+  for (int i = 0; i < kN; ++i) rim.push_back(i);
+  for (int j = 0; j < kN; ++j) rim.push_back(j * (kN + 1) + kN);
+  for (int i = kN; i > 0; --i) rim.push_back(kN * (kN + 1) + i);
+  for (int j = kN; j > 0; --j) rim.push_back(j * (kN + 1));
   const std::int32_t first = mesh.vertices.size();
   const std::int32_t count = rim.size();
   for (const std::int32_t v : rim) {

@@ -2,6 +2,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/bodies/contact_sheet/sheet.h"
+#include "nodes/data/indices.h"
 #include "runtime/context.h"
 
 namespace terrazzo::contact_sheet {
@@ -13,14 +14,14 @@ void compute(Context& c) {
     const Image image = v.is<Labels>() ? picture_of(v.as<Labels>()) : v.as<Image>();
     if (image.width <= 0 || image.height <= 0 || image.sections <= 0)
       throw Error("empty-image", fmt::format("image {} has no pixels", images.size() + 1));
-    for (std::size_t i = 0; i < static_cast<std::size_t>(image.width) * image.height; ++i)
+    for (std::size_t i = 0; i < pixels_in(image.width, image.height); ++i)
       if (!image.pixels[i].allFinite())
         throw Error("bad-pixels", fmt::format("image {} has a non-finite pixel at ({}, {})",
                                               images.size() + 1, i % image.width, i / image.width));
     images.push_back(image);
   }
   if (images.empty()) throw Error("no-images", "no images are connected", "connect at least one to 'images'");
-  SheetChoice choice;
+  SheetOptions choice;
   if (c.keyword("captions").empty()) choice.captions = c.texts("captions");
   if (choice.captions.size() > images.size())
     throw Error("too-many-captions", fmt::format("there are {} captions for {} images; remove some",

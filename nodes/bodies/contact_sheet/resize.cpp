@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::contact_sheet {
 
@@ -35,8 +36,7 @@ std::vector<Taps> taps_of(int from, int to) {
   std::vector<Taps> taps(to);
   for (int i = 0; i < to; ++i) {
     const double center = (i + 0.5) * ratio - 0.5;
-    const int lo = static_cast<int>(std::ceil(center - reach)),
-              hi = static_cast<int>(std::floor(center + reach));
+    const int lo = round_up(center - reach), hi = round_down(center + reach);
     taps[i].first = std::clamp(lo, 0, from - 1);
     taps[i].weights.assign(std::clamp(hi, 0, from - 1) - taps[i].first + 1, 0.0f);
     double sum = 0;

@@ -8,6 +8,7 @@
 #include "nodes/common/plot/plot.h"
 #include "nodes/common/plot/stroke_font.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::contact_sheet {
 
@@ -45,11 +46,9 @@ std::string shortened(const std::string& text, int height, int width) {
 
 }  // namespace
 
-Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice, const Work& work) {
+Image contact_sheet(const std::vector<Image>& images, const SheetOptions& choice, const Work& work) {
   const int n = images.size();
-  const int columns = std::min(n, choice.columns > 0 ? choice.columns
-                                  : n <= 3           ? n
-                                                     : static_cast<int>(std::ceil(std::sqrt(n))));
+  const int columns = std::min(n, choice.columns > 0 ? choice.columns : n <= 3 ? n : round_up(std::sqrt(n)));
   const int rows = (n + columns - 1) / columns;
   const int gap = std::max(8, choice.cell / 20), words = std::clamp(choice.cell / 24, 11, 28),
             below = words / 2;
@@ -58,13 +57,12 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
   std::vector<int> width(columns, 0), height(rows, 0), captioned(rows, 0);
   for (int i = 0; i < n; ++i) {
     const double scale = static_cast<double>(choice.cell) / std::max(images[i].width, images[i].height);
-    const int w = std::max(1, static_cast<int>(std::lround(images[i].width * scale)));
-    const int h = std::max(1, static_cast<int>(std::lround(images[i].height * scale)));
+    const int w = std::max(1, round_nearest(images[i].width * scale));
+    const int h = std::max(1, round_nearest(images[i].height * scale));
     fitted.push_back(resized(images[i], 0, w, h, work.part(static_cast<double>(i) / n, (i + 1.0) / n)));
     width[i % columns] = std::max(width[i % columns], w);
     height[i / columns] = std::max(height[i / columns], h);
-    if (i < static_cast<int>(choice.captions.size()) && !choice.captions[i].empty())
-      captioned[i / columns] = below + words;
+    if (i < count_of(choice.captions) && !choice.captions[i].empty()) captioned[i / columns] = below + words;
   }
 
   const bool dark = choice.background == Background::Dark;
@@ -83,7 +81,7 @@ Image contact_sheet(const std::vector<Image>& images, const SheetChoice& choice,
       const int x0 = left + (width[c] - image.width) / 2, y0 = top + (height[r] - image.height) / 2;
       for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) sheet.at(x0 + x, y0 + y) = image.at(x, y);
-      if (i < static_cast<int>(choice.captions.size()))
+      if (i < count_of(choice.captions))
         draw_text(sheet, x0, y0 + image.height + below, shortened(choice.captions[i], words, width[c]), words,
                   ink);
       left += width[c] + gap;

@@ -18,7 +18,7 @@ Image picture_of(const Labels&, int section = 0);
 
 enum class Background { Light, Dark };
 
-struct SheetChoice {
+struct SheetOptions {
   std::vector<std::string> captions;  // of the first images; may be fewer
   int columns = 0;                    // 0: one row for up to three images, else about as many columns as rows
   int cell = 480;                     // length of each image's longer side, pixels
@@ -27,6 +27,6 @@ struct SheetChoice {
 
 // Scales the first section of each image to the cell size. Rows and columns shrink to fit their images. The
 // list must not be empty.
-Image contact_sheet(const std::vector<Image>&, const SheetChoice&, const Work& = {});
+Image contact_sheet(const std::vector<Image>&, const SheetOptions&, const Work& = {});
 
 }  // namespace terrazzo::contact_sheet

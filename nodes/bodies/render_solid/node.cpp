@@ -13,18 +13,18 @@ namespace terrazzo::render_solid {
 namespace {
 using namespace carving;
 
-constexpr float degree = 0.0174532925f;
+constexpr float kDegree = 0.0174532925f;
 
 // Larger pictures have no previews.
 constexpr std::size_t kMostShown = std::size_t{1} << 23;  // pixels
 
 // Settings for a picture that is there at once.
-RenderSettings coarse(RenderSettings settings) {
+RenderOptions coarse(RenderOptions settings) {
   constexpr double kPixels = 40000;
   const double reduced = std::sqrt(kPixels / (double(settings.width) * settings.height));
   if (reduced < 1) {
-    settings.width = std::max(1, static_cast<int>(reduced * settings.width));
-    settings.height = std::max(1, static_cast<int>(reduced * settings.height));
+    settings.width = std::max<int>(1, reduced * settings.width);
+    settings.height = std::max<int>(1, reduced * settings.height);
   }
   settings.samples = std::min(settings.samples, 4);
   return settings;
@@ -40,9 +40,9 @@ void compute(Context& c) {
         "set the variable OCIO to the configuration that the graph was written for, or remove color_config")
         .parameter("color_config");
   const Tone tone(tone_kind, c.text("view"));
-  const float azimuth = degree * static_cast<float>(c.number("azimuth"));
-  const float elevation = degree * static_cast<float>(c.number("elevation"));
-  RenderSettings settings;
+  const float azimuth = kDegree * static_cast<float>(c.number("azimuth"));
+  const float elevation = kDegree * static_cast<float>(c.number("elevation"));
+  RenderOptions settings;
   settings.width = c.integer("width");
   settings.height = c.integer("height");
   settings.samples = c.integer("samples");

@@ -11,11 +11,11 @@ using carving::SurfacePoint;
 
 namespace {
 
-constexpr float lift = 2e-4f;  // world units by which a ray starts above its surface
+constexpr float kLift = 2e-4f;  // world units by which a ray starts above its surface
 
 class Paths {
  public:
-  Paths(const Solid& solid, const Studio& studio, const RenderSettings& settings)
+  Paths(const Solid& solid, const Studio& studio, const RenderOptions& settings)
       : solid_(solid), studio_(studio), settings_(settings), bounds_(solid.bounds()) {}
 
   Vec3f from_camera(const Vec3f& origin, const Vec3f& direction, PixelSampler& random) const {
@@ -30,7 +30,7 @@ class Paths {
       // The floor reflects the solid a little; where it would reflect the dome it already is the background.
       const Vec3f up(direction.x(), direction.y(), -direction.z());
       const float f = settings_.gloss * fresnel(-direction.z());
-      if (may_meet_solid(floor, up) && solid_.nearest(floor + Vec3f(0, 0, lift), up, s))
+      if (may_meet_solid(floor, up) && solid_.nearest(floor + Vec3f(0, 0, kLift), up, s))
         light += f * (s.albedo * studio_.irradiance(s.normal) - Vec3f::Constant(studio_.mirrored(up)));
     }
     return light.cwiseMax(0.0f);
@@ -70,7 +70,7 @@ class Paths {
     const float f = settings_.gloss * fresnel(-direction.dot(s.normal));
     Vec3f seen;
     SurfacePoint other;
-    const Vec3f origin = s.position + lift * s.face;
+    const Vec3f origin = s.position + kLift * s.face;
     if (!s.open && mirror.dot(s.face) > 0 && solid_.nearest(origin, mirror, other))
       seen = 0.7f * other.albedo *
              studio_.irradiance(other.normal);  // inner faces see each other: partly in shade
@@ -83,7 +83,7 @@ class Paths {
   // surfaces.
   Vec3f light(const SurfacePoint& s, PixelSampler& random, int depth) const {
     Vec3f sum = Vec3f::Constant(studio_.irradiance(s.normal));
-    const Vec3f origin = s.position + lift * s.face;
+    const Vec3f origin = s.position + kLift * s.face;
     float u, v;
     if (!s.open && studio_.lamp() > 0) {
       random.next(u, v);
@@ -108,7 +108,7 @@ class Paths {
   Vec3f floor_light(const Vec3f& point, PixelSampler& random, int depth) const {
     Vec3f sum = Vec3f::Ones();
     if (!near_solid(point)) return sum;
-    const Vec3f origin = point + Vec3f(0, 0, lift);
+    const Vec3f origin = point + Vec3f(0, 0, kLift);
     float u, v;
     random.next(u, v);
     if (const Vec3f d = studio_.to_lamp(u, v);
@@ -126,7 +126,7 @@ class Paths {
 
   const Solid& solid_;
   const Studio& studio_;
-  const RenderSettings& settings_;
+  const RenderOptions& settings_;
   Eigen::AlignedBox3f bounds_;
 };
 
@@ -135,12 +135,12 @@ float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 -
 
 }  // namespace
 
-Image render(const Solid& solid, const Studio& studio, const Camera& camera, const RenderSettings& settings,
+Image render(const Solid& solid, const Studio& studio, const Camera& camera, const RenderOptions& settings,
              const Work& work, const std::function<void(Image)>& refined) {
   Image image(settings.width, settings.height, 1, 1);  // sums, until all samples are taken
   const Paths paths(solid, studio, settings);
-  constexpr int tile = 16;
-  const int across = (settings.width + tile - 1) / tile, down = (settings.height + tile - 1) / tile;
+  constexpr int kTile = 16;
+  const int across = (settings.width + kTile - 1) / kTile, down = (settings.height + kTile - 1) / kTile;
   const auto divide = [](Image& sums, int samples) {
     for (Vec3f& pixel : sums.pixels) pixel /= float(samples);
   };
@@ -148,9 +148,9 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
     const int to = refined ? std::min(std::max(1, 2 * from), settings.samples) : settings.samples;
     const Work part = work.part(double(from) / settings.samples, double(to) / settings.samples);
     part.parallel(static_cast<std::size_t>(across) * down, 1, [&](std::size_t begin, std::size_t) {
-      const int x0 = static_cast<int>(begin) % across * tile, y0 = static_cast<int>(begin) / across * tile;
-      for (int y = y0; y < std::min(y0 + tile, settings.height); ++y)
-        for (int x = x0; x < std::min(x0 + tile, settings.width); ++x) {
+      const int x0 = static_cast<int>(begin) % across * kTile, y0 = static_cast<int>(begin) / across * kTile;
+      for (int y = y0; y < std::min(y0 + kTile, settings.height); ++y)
+        for (int x = x0; x < std::min(x0 + kTile, settings.width); ++x) {
           work.check();
           PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
           Vec3f sum = image.at(x, y);

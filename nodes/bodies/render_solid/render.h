@@ -14,7 +14,7 @@ namespace terrazzo::render_solid {
 
 using carving::Solid;
 
-struct RenderSettings {
+struct RenderOptions {
   int width = 720, height = 720;  // pixels
   int samples = 32;               // paths per pixel
   int bounces = 2;                // diffuse reflections between surfaces
@@ -27,7 +27,7 @@ struct RenderSettings {
 // is computed in closed form, and the changes made by occluders are sampled and added (a control variate).
 // Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased. `refined`
 // receives the picture after 1, 2, 4, … paths per pixel; the result is the same to the bit.
-Image render(const Solid&, const Studio&, const Camera&, const RenderSettings&, const Work& = {},
+Image render(const Solid&, const Studio&, const Camera&, const RenderOptions&, const Work& = {},
              const std::function<void(Image)>& refined = {});
 
 }  // namespace terrazzo::render_solid

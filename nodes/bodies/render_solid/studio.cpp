@@ -6,22 +6,22 @@
 namespace terrazzo::render_solid {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+constexpr double kPi = 3.14159265358979323846;
 
 template <std::size_t N>
 float interpolate(const std::array<float, N>& table, float cosine) {
   const float p = std::clamp((cosine + 1) * 0.5f * (N - 1), 0.0f, float(N - 1) - 0.001f);
-  const int i = static_cast<int>(p);
+  const int i = p;
   return table[i] + (table[i + 1] - table[i]) * (p - float(i));
 }
 
 // (1/π) ∫ f(d·axis) max(0, n·d) dω where n·axis = cosine.
 template <class F>
 double cosine_integral(double cosine, const F& f, double from, int rings) {
-  constexpr int turns = 96;
-  static const std::array<double, turns> across = [] {
-    std::array<double, turns> out;
-    for (int t = 0; t < turns; ++t) out[t] = std::cos(2 * pi * (t + 0.5) / turns);
+  constexpr int kTurns = 96;
+  static const std::array<double, kTurns> across = [] {
+    std::array<double, kTurns> out;
+    for (int t = 0; t < kTurns; ++t) out[t] = std::cos(2 * kPi * (t + 0.5) / kTurns);
     return out;
   }();
   const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
@@ -32,7 +32,7 @@ double cosine_integral(double cosine, const F& f, double from, int rings) {
     for (const double a : across) ring += std::max(0.0, cosine * z + sine * s * a);
     sum += f(z) * ring;
   }
-  return sum * (1 - from) / rings * (2 * pi / turns) / pi;
+  return sum * (1 - from) / rings * (2 * kPi / kTurns) / kPi;
 }
 
 // Two unit vectors that form a right-handed frame with the unit n. Duff et al., JCGT 6(1), 2017.
@@ -51,9 +51,9 @@ Studio::Studio(const Settings& s) : settings_(s) {
   frame(direction_, across_, along_);
   const double k = s.lamp_sharpness;
   tail_ = std::exp(-2 * k);
-  const auto lobe = [k](double z) { return k / (2 * pi * (1 - std::exp(-2 * k))) * std::exp(k * (z - 1)); };
+  const auto lobe = [k](double z) { return k / (2 * kPi * (1 - std::exp(-2 * k))) * std::exp(k * (z - 1)); };
   const double from = std::max(-1.0, 1 - 20 / k);
-  for (int i = 0; i <= steps; ++i) by_angle_[i] = pi * cosine_integral(-1 + 2.0 * i / steps, lobe, from, 256);
+  for (int i = 0; i <= kSteps; ++i) by_angle_[i] = kPi * cosine_integral(-1 + 2.0 * i / kSteps, lobe, from, 256);
   const float facing = interpolate(by_angle_, direction_.z());
   lamp_ = s.lamp_share > 0 ? s.lamp_share / facing : 0;
 
@@ -63,7 +63,7 @@ Studio::Studio(const Settings& s) : settings_(s) {
   horizon_ = s.horizon * dome;
   zenith_ = s.zenith * dome;
   const auto all = [&](double z) { return z < 0 ? double(s.floor) : horizon_ + (zenith_ - horizon_) * z; };
-  for (int i = 0; i <= steps; ++i) by_height_[i] = cosine_integral(-1 + 2.0 * i / steps, all, -1, 256);
+  for (int i = 0; i <= kSteps; ++i) by_height_[i] = cosine_integral(-1 + 2.0 * i / kSteps, all, -1, 256);
 }
 
 Studio Studio::furnace() {
@@ -93,14 +93,14 @@ float Studio::mirrored(const Vec3f& direction) const {
 Vec3f Studio::to_lamp(float u, float v) const {
   const float k = settings_.lamp_sharpness;
   const float z = std::max(-1.0f, 1 + std::log(1 - u + u * tail_) / k);
-  const float s = std::sqrt(std::max(0.0f, 1 - z * z)), turn = 2 * static_cast<float>(pi) * v;
+  const float s = std::sqrt(std::max(0.0f, 1 - z * z)), turn = 2 * static_cast<float>(kPi) * v;
   return direction_ * z + across_ * (s * std::cos(turn)) + along_ * (s * std::sin(turn));
 }
 
 Vec3f cosine_direction(const Vec3f& normal, float u, float v) {
   Vec3f a, b;
   frame(normal, a, b);
-  const float r = std::sqrt(u), turn = 2 * static_cast<float>(pi) * v;
+  const float r = std::sqrt(u), turn = 2 * static_cast<float>(kPi) * v;
   return a * (r * std::cos(turn)) + b * (r * std::sin(turn)) + normal * std::sqrt(std::max(0.0f, 1 - u));
 }
 

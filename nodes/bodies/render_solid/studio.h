@@ -43,9 +43,9 @@ class Studio {
   Settings settings_;
   Vec3f direction_, across_, along_;  // to the lamp, and two perpendicular directions
   float lamp_ = 0, horizon_ = 0, zenith_ = 0, tail_ = 0;
-  static constexpr int steps = 256;
-  std::array<float, steps + 1> by_height_{};  // dome and floor, over the normal's z from −1 to 1
-  std::array<float, steps + 1> by_angle_{};   // lamp, over the cosine between the normal and its middle
+  static constexpr int kSteps = 256;
+  std::array<float, kSteps + 1> by_height_{};  // dome and floor, over the normal's z from −1 to 1
+  std::array<float, kSteps + 1> by_angle_{};   // lamp, over the cosine between the normal and its middle
 };
 
 // A cosine-distributed direction around the unit `normal`.

@@ -13,17 +13,17 @@ namespace ocio = OCIO_NAMESPACE;
 namespace terrazzo::render_solid {
 namespace {
 
-constexpr float knee = 0.85f;
+constexpr float kKnee = 0.85f;
 
 // A table of the neutral curve. The knee is one of its nodes, so below it the table is exact.
 ocio::TransformRcPtr neutral() {
   constexpr unsigned long nodes = 41;
-  constexpr double top = 2;
+  constexpr double kTop = 2;
   auto range = ocio::RangeTransform::Create();
-  range->setMinInValue(0), range->setMinOutValue(0), range->setMaxInValue(top), range->setMaxOutValue(1);
+  range->setMinInValue(0), range->setMinOutValue(0), range->setMaxInValue(kTop), range->setMaxOutValue(1);
   auto table = ocio::Lut3DTransform::Create(nodes);
   table->setInterpolation(ocio::INTERP_TETRAHEDRAL);
-  const auto value = [](unsigned long i) { return static_cast<float>(top * double(i) / (nodes - 1)); };
+  const auto value = [](unsigned long i) { return static_cast<float>(kTop * double(i) / (nodes - 1)); };
   for (unsigned long r = 0; r < nodes; ++r)
     for (unsigned long g = 0; g < nodes; ++g)
       for (unsigned long b = 0; b < nodes; ++b) {
@@ -36,7 +36,7 @@ ocio::TransformRcPtr neutral() {
 }
 
 ocio::TransformRcPtr aces() {
-  constexpr double exposure = 1.6;
+  constexpr double kExposure = 1.6;
   const auto builtin = [](const char* style, ocio::TransformDirection direction) {
     auto t = ocio::BuiltinTransform::Create();
     t->setStyle(style), t->setDirection(direction);
@@ -64,7 +64,7 @@ ocio::TransformRcPtr aces() {
     t->setMatrix(to_xyz), t->setDirection(direction);
     return t;
   };
-  const double gain[16] = {exposure, 0, 0, 0, 0, exposure, 0, 0, 0, 0, exposure, 0, 0, 0, 0, 1};
+  const double gain[16] = {kExposure, 0, 0, 0, 0, kExposure, 0, 0, 0, 0, kExposure, 0, 0, 0, 0, 1};
   auto exposed = ocio::MatrixTransform::Create();
   exposed->setMatrix(gain);
   auto positive = ocio::RangeTransform::Create();
@@ -120,8 +120,8 @@ void Tone::apply(Image& image) const {
 Vec3f neutral_curve(const Vec3f& linear) {
   const Vec3f v = linear.cwiseMax(0.0f);
   const float m = v.maxCoeff();
-  if (m <= knee) return v;
-  return v * ((knee + (1 - knee) * (1 - std::exp(-(m - knee) / (1 - knee)))) / m);
+  if (m <= kKnee) return v;
+  return v * ((kKnee + (1 - kKnee) * (1 - std::exp(-(m - kKnee) / (1 - kKnee)))) / m);
 }
 
 }  // namespace terrazzo::render_solid

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::section {
 
 void check_particles(const Particles& particles, const Shapes& shapes) {
@@ -61,8 +63,8 @@ class Cutter {
     const Vec3& p = particles_.position[particle];
     int first[3], last[3];
     for (int k = 0; k < 3; ++k) {
-      first[k] = static_cast<int>(std::ceil((lo[k] - radius - p[k]) / particles_.box[k]));
-      last[k] = static_cast<int>(std::floor((hi[k] + radius - p[k]) / particles_.box[k]));
+      first[k] = round_up((lo[k] - radius - p[k]) / particles_.box[k]);
+      last[k] = round_down((hi[k] + radius - p[k]) / particles_.box[k]);
       // In a tile, periodic images shifted within the plane repeat the same region.
       if (layout_.tile && plane.frame.col(2)[k] == 0) first[k] = last[k] = 0;
     }

@@ -15,8 +15,8 @@
 namespace terrazzo::section {
 namespace {
 
-SectionChoice choice_of(const NodeParameters& c) {
-  SectionChoice choice;
+SectionOptions choice_of(const NodeParameters& c) {
+  SectionOptions choice;
   choice.planes = c.integer("planes");
   choice.axis = c.text("axis");
   if (c.keyword("offsets").empty()) choice.offsets = c.numbers("offsets");
@@ -58,7 +58,7 @@ SectionChoice choice_of(const NodeParameters& c) {
 void check(const NodeParameters& p) { choice_of(p); }
 
 // Takes the extent and the pixel size of the picture at input like, where the parameters leave them open.
-SectionChoice with_picture(Context& c, SectionChoice choice) {
+SectionOptions with_picture(Context& c, SectionOptions choice) {
   const Image* like = c.optional<Image>("like");
   if (!like) return choice;
   constexpr int kMost = 1024;

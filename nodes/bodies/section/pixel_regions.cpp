@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/disjoint_sets.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::section {
 
@@ -23,7 +24,7 @@ int short_way(int d, int n) { return d > n / 2 ? d - n : d < -(n / 2) ? d + n : 
 
 // Joins neighbors of the same body. `value`: of each pixel, below 0 in the binder.
 DisjointSets join_pixels(const std::int32_t* value, int w, int h, bool tile) {
-  DisjointSets sets(static_cast<std::size_t>(w) * h);
+  DisjointSets sets(pixels_in(w, h));
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
       const std::int32_t at = y * w + x;
@@ -61,7 +62,7 @@ Profile region_profile(const Sums& s, const SectionLayout& layout) {
                        s.first_y + s.max_y == h - 1;
     // A profile with at least one free pixel on either side fits in (w − 1 − its width) positions.
     const double places_x = w - 1 - (s.max_x - s.min_x + 1), places_y = h - 1 - (s.max_y - s.min_y + 1);
-    p.weight = p.touches_border ? 0 : static_cast<std::size_t>(w) * h / (places_x * places_y);
+    p.weight = p.touches_border ? 0 : pixels_in(w, h) / (places_x * places_y);
   }
   p.color = (s.color / s.count).cast<float>();
   return p;
@@ -71,7 +72,7 @@ Profile region_profile(const Sums& s, const SectionLayout& layout) {
 
 void PixelRegions::measure(Section& out, const Work& work) const {
   const int w = layout_.pixels_x, h = layout_.pixels_y, sections = layout_.planes.size();
-  const std::size_t count = static_cast<std::size_t>(w) * h;
+  const std::size_t count = pixels_in(w, h);
   out.labels.width = w;
   out.labels.height = h;
   out.labels.sections = sections;

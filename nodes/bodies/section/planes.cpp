@@ -15,15 +15,15 @@ namespace terrazzo::section {
 namespace {
 
 void lay_pixels(SectionLayout& layout, double wanted, double fallback) {
-  constexpr double most = 64e6, limit = 256e6;
+  constexpr double kMost = 64e6, kLimit = 256e6;
   const double sections = layout.planes.size();
-  if (wanted <= 0) wanted = std::max(fallback, std::sqrt(layout.window_area() * sections / most));
+  if (wanted <= 0) wanted = std::max(fallback, std::sqrt(layout.window_area() * sections / kMost));
   const double x = std::max(1.0, std::round(layout.width / wanted));
   const double y = std::max(1.0, std::round(layout.height / (layout.width / x)));
-  if (!(x * y * sections <= limit))
+  if (!(x * y * sections <= kLimit))
     throw Error("too-many-pixels",
                 fmt::format("{} sections of {:.0f} × {:.0f} pixels exceed the limit of {:.0f} megapixels",
-                            sections, x, y, limit / 1e6),
+                            sections, x, y, kLimit / 1e6),
                 "raise pixel_size or use fewer planes")
         .parameter("pixel_size");
   layout.pixels_x = static_cast<int>(x);
@@ -46,7 +46,7 @@ Mat3 frame_of(const Vec3& normal) {
 
 }  // namespace
 
-SectionLayout choose_planes(const SectionChoice& choice, const Vec3& box, bool periodic,
+SectionLayout choose_planes(const SectionOptions& choice, const Vec3& box, bool periodic,
                             double default_pixel_size) {
   SectionLayout layout;
   if (choice.axis == "random" || choice.axis == "free") {

@@ -28,7 +28,7 @@ struct SectionLayout {
   double window_area() const { return width * height; }
 };
 
-struct SectionChoice {
+struct SectionOptions {
   int planes = 1;
   std::string axis = "z";        // x, y, z, free or random
   std::vector<double> offsets;   // mm along the axis; empty: evenly spaced, half a step from both ends
@@ -46,6 +46,6 @@ struct SectionChoice {
 // upwards, or, if it is perpendicular to z, y. A given pixel size is rounded so that whole pixels fill the
 // width. The default, `default_pixel_size`, is raised if the stack would exceed 64 megapixels. Throws Error
 // "bad-offset", "bad-normal", "offsets-at-random", "planes-and-offsets", "too-many-pixels".
-SectionLayout choose_planes(const SectionChoice&, const Vec3& box, bool periodic, double default_pixel_size);
+SectionLayout choose_planes(const SectionOptions&, const Vec3& box, bool periodic, double default_pixel_size);
 
 }  // namespace terrazzo::section

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::section {
 
@@ -15,10 +16,8 @@ struct Bounds {
 
 Bounds bounds_of(const Region& region, const PixelGrid& grid) {
   const Extent e = region_extent(region);
-  Bounds b{static_cast<int>(std::floor(e.lo.x() / grid.mm_x)),
-           static_cast<int>(std::floor(e.lo.y() / grid.mm_y)),
-           static_cast<int>(std::floor(e.hi.x() / grid.mm_x)) + 1,
-           static_cast<int>(std::floor(e.hi.y() / grid.mm_y)) + 1};
+  Bounds b{round_down(e.lo.x() / grid.mm_x), round_down(e.lo.y() / grid.mm_y),
+           round_down(e.hi.x() / grid.mm_x) + 1, round_down(e.hi.y() / grid.mm_y) + 1};
   if (!grid.wrap) {
     b.x0 = std::max(b.x0, 0);
     b.y0 = std::max(b.y0, 0);
@@ -35,19 +34,19 @@ void add_edge(Vec2 p, Vec2 q, int width, int height, std::vector<double>& area, 
   const double sign = p.y() < q.y() ? -1 : 1;
   if (p.y() > q.y()) std::swap(p, q);
   const double slope = (q.x() - p.x()) / (q.y() - p.y());
-  const int last_row = std::min(height - 1, static_cast<int>(std::floor(q.y())));
-  for (int y = std::max(0, static_cast<int>(std::floor(p.y()))); y <= last_row; ++y) {
+  const int last_row = std::min(height - 1, round_down(q.y()));
+  for (int y = std::max(0, round_down(p.y())); y <= last_row; ++y) {
     const double y0 = std::max<double>(y, p.y()), y1 = std::min<double>(y + 1, q.y());
     if (!(y1 > y0)) continue;
     double xa = p.x() + (y0 - p.y()) * slope, xb = p.x() + (y1 - p.y()) * slope;
     if (xa > xb) std::swap(xa, xb);
     const double total = y1 - y0;
-    const int first = std::clamp(static_cast<int>(std::floor(xa)), 0, width - 1);
-    const int last = std::clamp(static_cast<int>(std::floor(xb)), 0, width - 1);
+    const int first = std::clamp(round_down(xa), 0, width - 1);
+    const int last = std::clamp(round_down(xb), 0, width - 1);
     for (int x = first; x <= last; ++x) {
       const double left = x == first ? xa : x, right = x == last ? xb : x + 1;
       const double dy = xb > xa ? total * (right - left) / (xb - xa) : total;
-      const std::size_t at = static_cast<std::size_t>(y) * width + x;
+      const std::size_t at = pixel_at(x, y, width);
       area[at] += sign * dy * (x + 1 - (left + right) / 2);
       rise[at] += sign * dy;
     }
@@ -61,7 +60,7 @@ void cover_pixels(const Region& region, const PixelGrid& grid,
   const Bounds b = bounds_of(region, grid);
   if (b.x0 >= b.x1 || b.y0 >= b.y1) return;
   const int width = b.x1 - b.x0, height = b.y1 - b.y0;
-  std::vector<double> area(static_cast<std::size_t>(width) * height, 0.0), rise = area;
+  std::vector<double> area(pixels_in(width, height), 0.0), rise = area;
   for (const Loop& l : region)
     for (std::size_t i = 0, j = l.size() - 1; i < l.size(); j = i++)
       add_edge({l[j].x() / grid.mm_x - b.x0, l[j].y() / grid.mm_y - b.y0},
@@ -69,7 +68,7 @@ void cover_pixels(const Region& region, const PixelGrid& grid,
   for (int y = 0; y < height; ++y) {
     double carried = 0;
     for (int x = 0; x < width; ++x) {
-      const std::size_t at = static_cast<std::size_t>(y) * width + x;
+      const std::size_t at = pixel_at(x, y, width);
       const double share = std::clamp(carried + area[at], 0.0, 1.0);
       carried += rise[at];
       if (share > 1e-9)
@@ -91,8 +90,8 @@ void fill_pixels(const Region& region, const PixelGrid& grid, const std::functio
               (l[j].x() + (l[i].x() - l[j].x()) * (center - l[j].y()) / (l[i].y() - l[j].y())) / grid.mm_x);
     std::sort(crossings.begin(), crossings.end());
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const int from = std::max(b.x0, static_cast<int>(std::ceil(crossings[i] - 0.5)));
-      const int to = std::min(b.x1, static_cast<int>(std::ceil(crossings[i + 1] - 0.5)));
+      const int from = std::max(b.x0, round_up(crossings[i] - 0.5));
+      const int to = std::min(b.x1, round_up(crossings[i + 1] - 0.5));
       for (int x = from; x < to; ++x) visit(wrap_index(x, grid.width), grid.row(wrap_index(y, grid.height)));
     }
   }

@@ -7,6 +7,7 @@
 
 #include "nodes/bodies/section/cut.h"
 #include "nodes/bodies/section/raster.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"
 
@@ -44,10 +45,8 @@ std::vector<Region> with_images(const std::vector<Region>& regions, const Sectio
   std::vector<Region> all;
   for (const Region& r : regions) {
     const Extent e = region_extent(r);
-    const int x0 = -static_cast<int>(std::floor(e.hi.x() / layout.width)),
-              x1 = -static_cast<int>(std::floor(e.lo.x() / layout.width));
-    const int y0 = -static_cast<int>(std::floor(e.hi.y() / layout.height)),
-              y1 = -static_cast<int>(std::floor(e.lo.y() / layout.height));
+    const int x0 = -round_down(e.hi.x() / layout.width), x1 = -round_down(e.lo.x() / layout.width);
+    const int y0 = -round_down(e.hi.y() / layout.height), y1 = -round_down(e.lo.y() / layout.height);
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) all.push_back(translated(r, {x * layout.width, y * layout.height}));
   }
@@ -65,7 +64,7 @@ struct Canvas {
 // Blurs the flat colors and the cover as the photograph blurs outlines. `sigma`: pixels.
 void soften(Vec3f* pixels, Canvas& canvas, const PixelGrid& grid, double sigma) {
   if (sigma < 0.2) return;
-  const int margin = static_cast<int>(std::ceil(4 * sigma));
+  const int margin = round_up(4 * sigma);
   const auto blur = [&](int type, void* data) {
     cv::Mat flat(grid.height, grid.width, type, data), wide;
     cv::copyMakeBorder(flat, wide, margin, margin, margin, margin,
@@ -93,14 +92,14 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
            const PixelGrid& grid, const Vec3f& binder, const SectionPlane& plane,
            const residual::ResidualField* detail, double softness,
            const std::function<void(const Image&)>& flat, const Work& work) {
-  const std::size_t pixels = static_cast<std::size_t>(grid.width) * grid.height;
+  const std::size_t pixels = pixels_in(grid.width, grid.height);
   Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f), {}, {}};
   if (detail) canvas.owner.assign(pixels, -1), canvas.share.assign(pixels, 0.0f);
   for (std::size_t k = 0; k < visible.size(); ++k) {
     work.check();
     const Profile& p = out.profiles.profiles[first + k];
     cover_pixels(visible[k], grid, [&](int x, int row, double share) {
-      const std::size_t at = static_cast<std::size_t>(row) * grid.width + x;
+      const std::size_t at = pixel_at(x, row, grid.width);
       canvas.color[at] += static_cast<float>(share) * p.color;
       canvas.cover[at] += static_cast<float>(share);
       if (detail && share > canvas.share[at]) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "nodes/bodies/section/pixel_regions.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 
 namespace terrazzo::section {
@@ -44,12 +45,12 @@ class Sampler {
     int n = 0;
     for (int c = 0; c < 8; ++c) {
       const T v = read(base[0] + (c & 1), base[1] + (c >> 1 & 1), base[2] + (c >> 2));
-      const int at = static_cast<int>(std::find(value, value + n, v) - value);
+      const int at = std::find(value, value + n, v) - value;
       if (at == n) value[n++] = v;
       votes[at] += weight(c, t);
     }
     const T nearest = read(base[0] + (t[0] >= 0.5), base[1] + (t[1] >= 0.5), base[2] + (t[2] >= 0.5));
-    auto best = static_cast<int>(std::find(value, value + n, nearest) - value);
+    int best = std::find(value, value + n, nearest) - value;
     for (int k = 0; k < n; ++k)
       if (votes[k] > votes[best] + 1e-9) best = k;
     return value[best];
@@ -61,7 +62,7 @@ class Sampler {
     for (int k = 0; k < 3; ++k) {
       // Snap to voxel centers, so that rounding does not blend in a neighbor.
       const double whole = std::round(at[k]), v = std::abs(at[k] - whole) < 1e-6 ? whole : at[k];
-      base[k] = static_cast<int>(std::floor(v));
+      base[k] = round_down(v);
       t[k] = v - base[k];
     }
   }

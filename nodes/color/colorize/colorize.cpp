@@ -9,6 +9,7 @@
 #include "nodes/color/colorize/colors_of_sizes.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/kmeans.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::colorize {
@@ -169,7 +170,7 @@ void color_by_size(Particles& particles, const Source& source, bool own, std::ui
 
 // Draws classes of particles that have none. If profiles have none either, clusters of their colors become
 // classes.
-void draw_classes(Particles& particles, Source& source, int classes, const ColorChoice& choice,
+void draw_classes(Particles& particles, Source& source, int classes, const ColorOptions& choice,
                   ColorReport& report, const Work& work) {
   Group all(source, -1);
   if (classes <= 1) {
@@ -200,14 +201,14 @@ void color_by_class(Particles& particles, const Source& source, std::uint64_t se
   }
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (const int c = particles.cls[i]; !particles.is_void(i))
-      require_class(c, c >= 0 && c < static_cast<int>(draws.size()) && !draws[c].empty());
+      require_class(c, c >= 0 && c < count_of(draws) && !draws[c].empty());
   color_by_profiles(particles, source, seed, work,
                     [&](std::size_t i, double u) { return draws[particles.cls[i]].pick(u); });
 }
 
 }  // namespace
 
-ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorChoice& choice,
+ColorReport colorize(Particles& particles, const Profiles& profiles, const ColorOptions& choice,
                      const Work& work) {
   ColorReport report;
   Source source = usable(profiles, report);

@@ -16,7 +16,7 @@ enum class ColorMode {
   Classes  // a profile of the particle's own class
 };
 
-struct ColorChoice {
+struct ColorOptions {
   ColorMode mode = ColorMode::Random;
   std::uint64_t seed = 1;
   int clusters = 0;  // number of classes if neither particles nor profiles have any; 0: by silhouette
@@ -37,6 +37,6 @@ struct ColorReport {
 // In mode Classes, if all particles have the same class, also sets cls: the profiles' classes (found by
 // k-means in Oklab if they have none either) are drawn by size. Jagnow et al. 2004, section 4.2. Throws Error
 // "no-profiles", "bad-profile" (NaN, no area), "no-class" (no profile has a particle's class).
-ColorReport colorize(Particles&, const Profiles&, const ColorChoice&, const Work& = {});
+ColorReport colorize(Particles&, const Profiles&, const ColorOptions&, const Work& = {});
 
 }  // namespace terrazzo::colorize

@@ -67,7 +67,7 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
     lab.push_back(linear_to_oklab(p.color).cast<double>());
     weights.push_back(p.weight);
   }
-  const int most = std::min(kClusters, std::max(1, static_cast<int>(profiles.size() / 3)));
+  const int most = std::min(kClusters, std::max<int>(1, profiles.size() / 3));
   ColorClusters found = kmeans(lab, weights, most, seed, work.quiet());
   cluster_ = std::move(found.of);
   const std::size_t clusters = found.k;
@@ -121,7 +121,7 @@ ColorsOfSizes::ColorsOfSizes(const std::vector<ColoredProfile>& profiles, const 
 
 std::size_t ColorsOfSizes::bin_of(double size) const {
   const double at = std::log(std::max(1.0, size / smallest_)) / std::log(ratio_);
-  return std::min(kBins - 1, static_cast<std::size_t>(at));
+  return std::min<std::size_t>(kBins - 1, at);
 }
 
 double ColorsOfSizes::weight(std::size_t profile, double size) const {

@@ -25,7 +25,7 @@ double mean_difference(const Particles& particles, const Profiles& profiles) {
 void compute(Context& c) {
   Particles particles = c.input<Particles>("particles");
   const Profiles& profiles = c.input<Profiles>("profiles");
-  ColorChoice choice;
+  ColorOptions choice;
   choice.mode = c.choice<ColorMode>("mode");
   choice.seed = c.seed();
   choice.clusters = c.optional_integer("clusters").value_or(0);

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 struct Components {
@@ -12,7 +14,7 @@ struct Components {
   std::vector<std::int32_t> ids;
   std::vector<std::int32_t> values;  // raster value of component k at k − 1
   std::vector<std::int64_t> sizes;   // pixels of component k at k − 1
-  int count() const { return static_cast<int>(values.size()); }
+  int count() const { return count_of(values); }
 };
 
 // Connects pixels of the same non-zero value at edges (4 neighbors), with `diagonal` also at corners (8

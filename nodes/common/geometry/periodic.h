@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 
 namespace terrazzo {
@@ -38,7 +39,7 @@ struct PeriodicCells {
   // Cells of about the edge `width`; 1 to `most` along each axis.
   PeriodicCells() = default;
   PeriodicCells(const Vec3& box, double width, int most) : box(box) {
-    for (int a = 0; a < 3; ++a) cells[a] = std::clamp(static_cast<int>(box[a] / width), 1, most);
+    for (int a = 0; a < 3; ++a) cells[a] = std::clamp<int>(box[a] / width, 1, most);
   }
   std::size_t count() const { return index(0, 0, cells[2]); }
   std::size_t index(int x, int y, int z) const {
@@ -46,9 +47,7 @@ struct PeriodicCells {
   }
   // The cell of a point in the box.
   std::size_t at(const Vec3& p) const {
-    const auto along = [&](int a) {
-      return std::clamp(static_cast<int>(p[a] / box[a] * cells[a]), 0, cells[a] - 1);
-    };
+    const auto along = [&](int a) { return std::clamp<int>(p[a] / box[a] * cells[a], 0, cells[a] - 1); };
     return index(along(0), along(1), along(2));
   }
   // Calls f(cell) for each cell that meets the cube of half edge `reach` around p, once, in a fixed order.
@@ -56,9 +55,8 @@ struct PeriodicCells {
   void visit(const Vec3& p, double reach, F&& f) const {
     Vec3i lo, hi;
     for (int a = 0; a < 3; ++a) {
-      lo[a] = static_cast<int>(std::floor((p[a] - reach) / box[a] * cells[a]));
-      hi[a] =
-          std::min(static_cast<int>(std::floor((p[a] + reach) / box[a] * cells[a])), lo[a] + cells[a] - 1);
+      lo[a] = round_down((p[a] - reach) / box[a] * cells[a]);
+      hi[a] = std::min(round_down((p[a] + reach) / box[a] * cells[a]), lo[a] + cells[a] - 1);
     }
     for (int z = lo[2]; z <= hi[2]; ++z)
       for (int y = lo[1]; y <= hi[1]; ++y) {

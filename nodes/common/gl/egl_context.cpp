@@ -34,7 +34,7 @@ std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
   if (!lists(client, "EGL_EXT_platform_device") || !query || !text || !query(0, nullptr, &count) ||
       count == 0)
     throw no_gl(kind, "EGL found no devices");
-  std::vector<EGLDeviceEXT> all(static_cast<std::size_t>(count)), wanted;
+  std::vector<EGLDeviceEXT> all(count), wanted;
   query(count, all.data(), &count);
   all.resize(count);
   for (const EGLDeviceEXT device : all)

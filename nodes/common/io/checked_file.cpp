@@ -37,8 +37,7 @@ void CheckedFile::fail() const { throw failure("the file is incomplete", errno);
 
 void write_bytes(const std::filesystem::path& path, std::string_view content) {
   CheckedFile file(path);
-  file.guard(
-      [&](std::ostream& out) { out.write(content.data(), static_cast<std::streamsize>(content.size())); });
+  file.guard([&](std::ostream& out) { out.write(content.data(), content.size()); });
 }
 
 }  // namespace terrazzo

@@ -135,7 +135,7 @@ Encoded read_stored(const PictureContent& content, const ChosenPage& chosen, dou
   out.image = Image(s.width, s.height, 1, pixel_size);
   if (!s.palette.empty()) {
     for (std::size_t p = 0; p < s.values.size(); ++p) {
-      const auto index = std::min(static_cast<std::size_t>(s.values[p]), s.palette.size() - 1);
+      const auto index = std::min<std::size_t>(s.values[p], s.palette.size() - 1);
       for (std::size_t k = 0; k < 3; ++k)
         out.image.pixels[p][static_cast<int>(k)] = s.palette[index][k] / 255.0f;
       out.alpha.push_back(index < s.palette_alpha.size() ? s.palette_alpha[index] / 255.0f : 1);
@@ -194,7 +194,7 @@ void decode_srgb(Encoded& e) {
     for (auto& p : e.image.pixels) p = srgb_to_linear(p);
     return;
   }
-  std::vector<float> table(static_cast<std::size_t>(e.top) + 1);
+  std::vector<float> table(e.top + 1);
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = srgb_to_linear(Vec3f::Constant(i / e.top))[0];
   for (auto& p : e.image.pixels)
     for (int k = 0; k < 3; ++k) p[k] = table[static_cast<std::size_t>(p[k] * e.top + 0.5f)];
@@ -234,7 +234,7 @@ void composite(Encoded& e, const std::filesystem::path& path, const Reading& rea
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size,
-                 const Reading& reading, std::optional<PixelScale>* scale, const PageChoice& choice) {
+                 const Reading& reading, std::optional<PixelScale>* scale, const PageOptions& choice) {
   PictureContent content = checked_picture(path, reading);
   const ChosenPage chosen = choose_page(content.pages, choice, path);
   const PictureMetadata metadata = metadata_of(content, chosen.page);

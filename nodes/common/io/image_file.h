@@ -20,7 +20,7 @@ namespace terrazzo {
 // "too-large", "several-pages" and "several-channels" if the choice is open, "bad-color-profile", and
 // "bad-pixels" for NaN or infinity.
 Image read_image(const std::filesystem::path&, const std::string& colorspace = "auto", double pixel_size = 1,
-                 const Reading& = {}, std::optional<PixelScale>* scale = nullptr, const PageChoice& = {});
+                 const Reading& = {}, std::optional<PixelScale>* scale = nullptr, const PageOptions& = {});
 
 // Writes one section; the extension determines the format. .exr and .hdr are scene-linear floats; other
 // formats are sRGB, dithered to 8 bits (.tif: 16 bits). `provenance` is stored in the metadata if the format

@@ -7,6 +7,7 @@
 #include "nodes/common/io/image_file.h"
 #include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -62,11 +63,11 @@ std::vector<std::uint8_t> dithered(const Vec3f* pixels, int width, int height) {
 void write_image(const std::filesystem::path& path, const Image& image, int section,
                  const std::string& provenance) {
   if (section < 0 || section >= image.sections || image.width <= 0 || image.height <= 0 ||
-      image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.sections)
+      image.pixels.size() != pixels_in(image.width, image.height) * image.sections)
     throw Error("empty-image", "section " + std::to_string(section) + " does not exist in an image of " +
                                    std::to_string(image.width) + " × " + std::to_string(image.height) +
                                    " pixels and " + std::to_string(image.sections) + " sections");
-  const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t count = pixels_in(image.width, image.height);
   const Vec3f* pixels = image.pixels.data() + count * section;
   for (std::size_t p = 0; p < count; ++p)
     if (pixels[p].hasNaN())

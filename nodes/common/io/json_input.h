@@ -63,7 +63,7 @@ class JsonObject {
     V out;
     require_size(name, element, static_cast<std::size_t>(out.size()));
     for (Eigen::Index i = 0; i < out.size(); ++i) {
-      const double v = number_in(name, element[static_cast<std::size_t>(i)], -kLargest, kLargest);
+      const double v = number_in(name, element[i], -kLargest, kLargest);
       out[i] = static_cast<typename V::Scalar>(v);
       if (!std::isfinite(out[i])) fail_too_large(name);  // as a float
     }

@@ -19,9 +19,9 @@ constexpr std::uint64_t kColorFilterArray = 32803, kLinearRaw = 34892;
 
 // Not a page of its own: a thumbnail, a reduced resolution or a mask of another page.
 bool is_part(const TiffReader& in, const TiffDirectory& d) {
-  constexpr std::uint64_t page_of_several = 2, reduced = 2;
-  return (in.value(d, tiff::kNewSubfileType, 0) & ~page_of_several) != 0 ||
-         in.value(d, tiff::kSubfileType, 0) == reduced;
+  constexpr std::uint64_t kPageOfSeveral = 2, kReduced = 2;
+  return (in.value(d, tiff::kNewSubfileType, 0) & ~kPageOfSeveral) != 0 ||
+         in.value(d, tiff::kSubfileType, 0) == kReduced;
 }
 
 bool is_raw(const TiffReader& in, const TiffDirectory& d) {
@@ -67,11 +67,11 @@ std::string counts_of_pages(const PicturePages& p) {
     std::string text = fmt::format("{} pages", p.pages.size());
     if (first.width == 0) return text;
     if (same) return fmt::format("{} of {} × {} pixels", text, first.width, first.height);
-    constexpr std::size_t most = 6;
+    constexpr std::size_t kMost = 6;
     text += " of ";
-    for (std::size_t i = 0; i < std::min(most, p.pages.size()); ++i)
+    for (std::size_t i = 0; i < std::min(kMost, p.pages.size()); ++i)
       text += fmt::format("{}{} × {}", i == 0 ? "" : ", ", p.pages[i].width, p.pages[i].height);
-    return text + (p.pages.size() > most ? ", … pixels" : " pixels");
+    return text + (p.pages.size() > kMost ? ", … pixels" : " pixels");
   }
   std::string text;
   const auto add = [&](int n, const char* what) {
@@ -120,7 +120,7 @@ PicturePages pages_of(std::string_view content, const std::string& format, const
   return out;
 }
 
-PageChoice page_choice(const NodeParameters& parameters) {
+PageOptions page_choice(const NodeParameters& parameters) {
   const auto whole = [&](const char* name) {
     const auto v = parameters.optional_integer(name);
     return v ? std::optional(static_cast<int>(*v)) : std::nullopt;
@@ -128,14 +128,13 @@ PageChoice page_choice(const NodeParameters& parameters) {
   return {whole("page"), whole("channel")};
 }
 
-ChosenPage choose_page(const PicturePages& p, const PageChoice& choice, const std::filesystem::path& path) {
+ChosenPage choose_page(const PicturePages& p, const PageOptions& choice, const std::filesystem::path& path) {
   if (!p.problem.empty()) {
     if (!choice.page)
       throw misdescribed(
           p, path, fmt::format("set page to read a page as it is stored, from 1 to {}", p.pages.size()));
     require_within(choice.page, p.pages.size(), "page", path);
-    return {p.pages[static_cast<std::size_t>(*choice.page) - 1],
-            choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
+    return {p.pages[*choice.page - 1], choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
   }
   const int pages = p.slices * p.frames;
   require_within(choice.page, pages, "page", path);
@@ -154,7 +153,7 @@ ChosenPage choose_page(const PicturePages& p, const PageChoice& choice, const st
   return {p.pages[p.planes[plane]], choice.channel ? std::optional(*choice.channel - 1) : std::nullopt};
 }
 
-std::vector<ChosenPage> choose_slices(const PicturePages& p, const PageChoice& choice, bool stored,
+std::vector<ChosenPage> choose_slices(const PicturePages& p, const PageOptions& choice, bool stored,
                                       const std::filesystem::path& path) {
   std::vector<ChosenPage> out;
   const std::optional<int> sample = choice.channel ? std::optional(*choice.channel - 1) : std::nullopt;

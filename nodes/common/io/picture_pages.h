@@ -41,11 +41,11 @@ PicturePages pages_of(std::string_view content, const std::string& format, const
 void apply_description(PicturePages&, std::string_view content, const std::string& file_name);
 
 // What the parameters page and channel choose, counted from 1; none: auto.
-struct PageChoice {
+struct PageOptions {
   std::optional<int> page, channel;
 };
 // Of a node with these two parameters.
-PageChoice page_choice(const NodeParameters&);
+PageOptions page_choice(const NodeParameters&);
 
 struct ChosenPage {
   PicturePage page;
@@ -54,11 +54,11 @@ struct ChosenPage {
 
 // The one page to read. Throws Error "several-pages" or "several-channels" with the counts if the choice is
 // open, "bad-value" if there is no such page.
-ChosenPage choose_page(const PicturePages&, const PageChoice&, const std::filesystem::path&);
+ChosenPage choose_page(const PicturePages&, const PageOptions&, const std::filesystem::path&);
 
 // The pages that are the slices of a volume, from the first one up. If `stored`, all pages in the order of
 // the file. Throws like choose_page.
-std::vector<ChosenPage> choose_slices(const PicturePages&, const PageChoice&, bool stored,
+std::vector<ChosenPage> choose_slices(const PicturePages&, const PageOptions&, bool stored,
                                       const std::filesystem::path&);
 
 }  // namespace terrazzo

@@ -17,14 +17,14 @@ namespace {
 
 // glTF 2.0, 4.4: a header of 12 bytes, then the length and type of the JSON chunk.
 std::string from_glb(const std::filesystem::path& path, const Reading& reading) {
-  constexpr double per_byte = 40;  // memory of parsed JSON per byte of text
+  constexpr double kPerByte = 40;  // memory of parsed JSON per byte of text
   try {
     const std::string data = read_whole(path, reading);
     std::uint32_t length = 0;
     if (data.size() < 20 || data.compare(0, 4, "glTF") != 0) return "";
     std::memcpy(&length, data.data() + 12, sizeof length);
     if (length > data.size() - 20) return "";
-    require_memory(per_byte * length, reading.memory, "'" + path.string() + "'");
+    require_memory(kPerByte * length, reading.memory, "'" + path.string() + "'");
     const auto json = json_or_null(std::string_view(data).substr(20, length));
     const auto extras = nlohmann::json::json_pointer("/asset/extras");
     return json.is_object() && json.contains(extras) ? json_text(json.at(extras)) : "";

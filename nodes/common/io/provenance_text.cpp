@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "graph/input_file.h"
+#include "nodes/data/indices.h"
 #include "runtime/files/base64.h"
 
 namespace terrazzo {
@@ -94,15 +95,12 @@ std::string provenance_in_nifti(const std::filesystem::path& path) {
   const std::unique_ptr<gzFile_s, decltype(close)> file(
       opened ? gzdopen(::dup(opened.descriptor()), "rb") : nullptr, close);
   std::array<char, 360> head;
-  if (!file || gzread(file.get(), head.data(), head.size()) != static_cast<int>(head.size()) ||
-      head[348] != 1)
-    return "";
+  if (!file || gzread(file.get(), head.data(), head.size()) != count_of(head) || head[348] != 1) return "";
   std::array<std::int32_t, 2> extension;  // size with these numbers, code
   std::memcpy(extension.data(), head.data() + 352, sizeof extension);
   if (extension[1] != 6 || extension[0] < 8 || extension[0] > static_cast<std::int32_t>(kLongest)) return "";
   std::string out(static_cast<std::size_t>(extension[0]) - 8, '\0');
-  if (gzread(file.get(), out.data(), static_cast<unsigned>(out.size())) != static_cast<int>(out.size()))
-    return "";
+  if (gzread(file.get(), out.data(), static_cast<unsigned>(out.size())) != count_of(out)) return "";
   return out.substr(0, out.find('\0'));
 }
 

@@ -21,7 +21,7 @@ Error no_text(const std::string& name, std::string_view what, std::string_view h
 struct Signature {
   std::string_view begin, what, hint;
 };
-constexpr Signature signatures[] = {
+constexpr Signature kSignatures[] = {
     {"PK\x03\x04"sv, "a ZIP archive, as Excel (.xlsx) and OpenOffice (.ods) write",
      "save the sheet as CSV, or unpack the archive"},
     {"\xd0\xcf\x11\xe0"sv, "a document of Microsoft Office, such as .xls", "save the sheet as CSV"},
@@ -44,7 +44,7 @@ void put_utf8(std::string& out, std::uint32_t code) {
   }
 }
 
-constexpr std::uint32_t unknown_character = 0xfffd;
+constexpr std::uint32_t kUnknownCharacter = 0xfffd;
 
 // Single surrogates become U+FFFD.
 std::string from_utf16(std::string_view bytes, bool big_endian) {
@@ -63,7 +63,7 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
       put_utf8(out, 0x10000 + ((c - 0xd800) << 10) + (next - 0xdc00));
       ++i;
     } else {
-      put_utf8(out, high || low ? unknown_character : c);
+      put_utf8(out, high || low ? kUnknownCharacter : c);
     }
   }
   return out;
@@ -71,14 +71,14 @@ std::string from_utf16(std::string_view bytes, bool big_endian) {
 
 std::string from_windows_1252(std::string_view bytes) {
   // 0x80 to 0x9f; the rest is Latin-1.
-  static constexpr std::uint16_t high[] = {0x20ac, 0xfffd, 0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
-                                           0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0xfffd, 0x017d, 0xfffd,
-                                           0xfffd, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
-                                           0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0xfffd, 0x017e, 0x0178};
+  static constexpr std::uint16_t kHigh[] = {0x20ac, 0xfffd, 0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021,
+                                            0x02c6, 0x2030, 0x0160, 0x2039, 0x0152, 0xfffd, 0x017d, 0xfffd,
+                                            0xfffd, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022, 0x2013, 0x2014,
+                                            0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0xfffd, 0x017e, 0x0178};
   std::string out;
   for (const char c : bytes) {
     const unsigned char byte = c;
-    put_utf8(out, byte >= 0x80 && byte < 0xa0 ? high[byte - 0x80] : byte);
+    put_utf8(out, byte >= 0x80 && byte < 0xa0 ? kHigh[byte - 0x80] : byte);
   }
   return out;
 }
@@ -114,7 +114,7 @@ Encoding encoding_of(std::string_view bytes, std::size_t& mark, const std::strin
 }  // namespace
 
 std::string as_utf8(std::string bytes, const std::string& name, const Reading& reading) {
-  for (const Signature& s : signatures)
+  for (const Signature& s : kSignatures)
     if (std::string_view(bytes).starts_with(s.begin)) throw no_text(name, s.what, s.hint);
   std::size_t mark = 0;
   const Encoding encoding = encoding_of(bytes, mark, name);

@@ -7,6 +7,7 @@
 #include "nodes/common/plot/plot.h"
 #include "nodes/common/plot/stroke_font.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 
@@ -41,8 +42,7 @@ double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
 // First pixel of [lo, hi] and the one after its last, within [0, n].
 std::pair<int, int> pixels_of(double lo, double hi, int n) {
   const double limit = n;
-  return {static_cast<int>(std::floor(std::clamp(lo, 0.0, limit))),
-          static_cast<int>(std::ceil(std::clamp(hi, 0.0, limit)))};
+  return {round_down(std::clamp(lo, 0.0, limit)), round_up(std::clamp(hi, 0.0, limit))};
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ void Coverage::stroke(const std::vector<Vec2>& points, double pen_width) {
         const double d = distance_to_segment({x + 0.5, y + 0.5}, a, b);
         // A pen thinner than a pixel covers only part of it.
         const double c = std::clamp(pen_width / 2 + 0.5 - d, 0.0, std::min(1.0, pen_width));
-        at(x, y) = std::max(at(x, y), static_cast<float>(c));
+        at(x, y) = std::max<float>(at(x, y), c);
       }
   }
 }
@@ -84,7 +84,7 @@ void Coverage::rectangle(double ax, double ay, double bx, double by) {
     for (int x = x0; x < x1; ++x) {
       const double c = std::max(0.0, std::min(bx, x + 1.0) - std::max(ax, double(x))) *
                        std::max(0.0, std::min(by, y + 1.0) - std::max(ay, double(y)));
-      at(x, y) = std::max(at(x, y), static_cast<float>(c));
+      at(x, y) = std::max<float>(at(x, y), c);
     }
 }
 
@@ -132,13 +132,13 @@ std::vector<Placed> placed(const std::string& text) {
 double text_extent(const std::string& text, double height) {
   double width = 0;
   for (const Placed& p : placed(text)) width += glyph(p.code).advance * p.size;
-  return width * height / (font_ascent + font_descent);
+  return width * height / (kFontAscent + kFontDescent);
 }
 
 double add_text(Coverage& mask, double x, double y, const std::string& text, double height, Turn turn,
                 double weight) {
-  const double unit = height / (font_ascent + font_descent);
-  const double pen = std::max(1.0, font_stroke * weight * unit);
+  const double unit = height / (kFontAscent + kFontDescent);
+  const double pen = std::max(1.0, kFontStroke * weight * unit);
   // Align the baseline, x-height and cap height to the pixel grid (with half of the pen's width), which keeps
   // small text crisp.
   const double half = 0.5 * (pen < 1.6 ? 1 : pen);
@@ -149,7 +149,7 @@ double add_text(Coverage& mask, double x, double y, const std::string& text, dou
     if (h <= 7) return low + (x_height - low) * h / 7;
     return x_height + (caps - x_height) * (h - 7) / 3;
   };
-  const double baseline = std::round(font_ascent * unit);
+  const double baseline = std::round(kFontAscent * unit);
   double at = pen / 2;
   for (const Placed& letter : placed(text)) {
     const Glyph& g = glyph(letter.code);
@@ -172,11 +172,9 @@ int draw_text(Image& image, int x, int y, const std::string& text, int height, c
   Coverage mask(image.width, image.height);
   const double width = add_text(mask, x, y, text, height);
   mask.paint(image, linear_color);
-  return static_cast<int>(std::ceil(width));
+  return round_up(width);
 }
 
-int text_width(const std::string& text, int height) {
-  return static_cast<int>(std::ceil(text_extent(text, height)));
-}
+int text_width(const std::string& text, int height) { return round_up(text_extent(text, height)); }
 
 }  // namespace terrazzo

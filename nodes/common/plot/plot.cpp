@@ -7,24 +7,25 @@
 #include "nodes/common/plot/drawing.h"
 #include "nodes/common/plot/plot_axis.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 
 namespace {
 
 // Okabe and Ito (2008), distinguishable with all common types of color vision; sRGB.
-constexpr std::array<std::array<int, 3>, 8> palette = {{{0, 114, 178},
-                                                        {213, 94, 0},
-                                                        {0, 158, 115},
-                                                        {204, 121, 167},
-                                                        {230, 159, 0},
-                                                        {86, 180, 233},
-                                                        {70, 70, 70},
-                                                        {120, 94, 240}}};
+constexpr std::array<std::array<int, 3>, 8> kPalette = {{{0, 114, 178},
+                                                         {213, 94, 0},
+                                                         {0, 158, 115},
+                                                         {204, 121, 167},
+                                                         {230, 159, 0},
+                                                         {86, 180, 233},
+                                                         {70, 70, 70},
+                                                         {120, 94, 240}}};
 
 Vec3f from_srgb(int r, int g, int b) { return srgb_to_linear(Vec3f(r / 255.0f, g / 255.0f, b / 255.0f)); }
 Vec3f color_of(int index) {
-  const auto& c = palette[((index % 8) + 8) % 8];
+  const auto& c = kPalette[((index % 8) + 8) % 8];
   return from_srgb(c[0], c[1], c[2]);
 }
 const Vec3f& text_color() {
@@ -32,7 +33,7 @@ const Vec3f& text_color() {
   return c;
 }
 
-constexpr double small = 15, normal = 16, large = 19;  // line heights, pixels
+constexpr double kSmall = 15, kNormal = 16, kLarge = 19;  // line heights, pixels
 
 // The plot area, and its mapping from data to pixels.
 struct Frame {
@@ -112,7 +113,7 @@ double legend(Image* image, const Plot& plot, double left, double right, double 
   bool any = false;
   for (const auto& s : plot.series) {
     if (s.name.empty()) continue;
-    const double width = swatch + gap + text_extent(s.name, small);
+    const double width = swatch + gap + text_extent(s.name, kSmall);
     if (x > left && x + width > right) {
       x = left;
       y += row;
@@ -128,7 +129,7 @@ double legend(Image* image, const Plot& plot, double left, double right, double 
         mask.disc({x + swatch / 2, middle}, 4);
       }
       mask.paint(*image, color_of(s.color));
-      write(*image, x + swatch + gap, y + 3, s.name, small, text_color());
+      write(*image, x + swatch + gap, y + 3, s.name, kSmall, text_color());
     }
     x += width + between;
     any = true;
@@ -148,21 +149,21 @@ void draw_axes(Image& image, const Plot& plot, const Frame& f) {
   for (double t : f.y.minor) mask.rectangle(f.left - 3, crisp(f.py(t)), f.left, crisp(f.py(t)) + 1);
   mask.paint(image, line);
   for (std::size_t i = 0; i < f.x.ticks.size(); ++i) {
-    const double width = text_extent(f.x.words[i], small);
-    write(image, std::round(f.px(f.x.ticks[i]) + 0.5 - width / 2), f.bottom + 8, f.x.words[i], small,
+    const double width = text_extent(f.x.words[i], kSmall);
+    write(image, std::round(f.px(f.x.ticks[i]) + 0.5 - width / 2), f.bottom + 8, f.x.words[i], kSmall,
           text_color());
   }
   for (std::size_t i = 0; i < f.y.ticks.size(); ++i) {
-    const double width = text_extent(f.y.words[i], small);
-    write(image, std::round(f.left - 7 - width), std::round(f.py(f.y.ticks[i]) - small / 2), f.y.words[i],
-          small, text_color());
+    const double width = text_extent(f.y.words[i], kSmall);
+    write(image, std::round(f.left - 7 - width), std::round(f.py(f.y.ticks[i]) - kSmall / 2), f.y.words[i],
+          kSmall, text_color());
   }
   if (!plot.x_label.empty())
-    write(image, std::round((f.left + f.right - text_extent(plot.x_label, normal)) / 2), f.bottom + 27,
-          plot.x_label, normal, text_color());
+    write(image, std::round((f.left + f.right - text_extent(plot.x_label, kNormal)) / 2), f.bottom + 27,
+          plot.x_label, kNormal, text_color());
   if (!plot.y_label.empty()) {
-    const double middle = (f.top + f.bottom) / 2 + text_extent(plot.y_label, normal) / 2;
-    add_text(mask, 8, std::round(std::min(middle, image.height - 6.0)), plot.y_label, normal, Turn::Left);
+    const double middle = (f.top + f.bottom) / 2 + text_extent(plot.y_label, kNormal) / 2;
+    add_text(mask, 8, std::round(std::min(middle, image.height - 6.0)), plot.y_label, kNormal, Turn::Left);
     mask.paint(image, text_color());
   }
 }
@@ -223,7 +224,7 @@ Image draw(const Plot& plot) {
 
   double top = 12;
   if (!plot.title.empty()) {
-    write(image, 16, top, plot.title, large, text_color(), 1.25);
+    write(image, 16, top, plot.title, kLarge, text_color(), 1.25);
     top += 27;
   }
   top += legend(&image, plot, 16, image.width - 16, top) + 10;
@@ -233,13 +234,12 @@ Image draw(const Plot& plot) {
   f.bottom = image.height - (plot.x_label.empty() ? 30 : 54);
   f.right = image.width - 20;
   f.bottom = std::max(f.bottom, f.top + 20);
-  const int rows = std::clamp(static_cast<int>((f.bottom - f.top) / 45), 2, 8);
+  const int rows = std::clamp<int>((f.bottom - f.top) / 45, 2, 8);
   f.y = make_axis(ys, plot.log_y, has_bars && !plot.log_y, false, rows);
   double widest = 0;
-  for (const auto& w : f.y.words) widest = std::max(widest, text_extent(w, small));
+  for (const auto& w : f.y.words) widest = std::max(widest, text_extent(w, kSmall));
   f.left = std::min((plot.y_label.empty() ? 14 : 34) + std::ceil(widest) + 7, image.width / 2.0);
-  f.x = make_axis(xs, plot.log_x, false, has_bars,
-                  std::clamp(static_cast<int>((f.right - f.left) / 80), 2, 10));
+  f.x = make_axis(xs, plot.log_x, false, has_bars, std::clamp<int>((f.right - f.left) / 80, 2, 10));
   if (!plot.x_words.empty()) {
     f.x.ticks.clear();
     f.x.minor.clear();
@@ -248,7 +248,7 @@ Image draw(const Plot& plot) {
   }
   // Leave room for the last tick label.
   if (!f.x.words.empty())
-    f.right = std::min(f.right, image.width - 8 - text_extent(f.x.words.back(), small) / 2 +
+    f.right = std::min(f.right, image.width - 8 - text_extent(f.x.words.back(), kSmall) / 2 +
                                     (1 - f.x.place(f.x.ticks.back())) * (f.right - f.left));
 
   draw_axes(image, plot, f);
@@ -262,18 +262,18 @@ Image draw(const Plot& plot) {
     if (s.kind != PlotSeries::Kind::Bars) draw_series(image, plot, f, s, 0, bars);
   if (ys.empty()) {
     const std::string words = "no data";
-    write(image, (f.left + f.right - text_extent(words, normal)) / 2, (f.top + f.bottom) / 2 - normal / 2,
-          words, normal, from_srgb(140, 140, 146));
+    write(image, (f.left + f.right - text_extent(words, kNormal)) / 2, (f.top + f.bottom) / 2 - kNormal / 2,
+          words, kNormal, from_srgb(140, 140, 146));
   }
   return image;
 }
 
 Image draw(const std::vector<Plot>& plots, int columns) {
   if (plots.empty()) return draw(Plot{});
-  columns = std::clamp(columns, 1, static_cast<int>(plots.size()));
+  columns = std::clamp(columns, 1, count_of(plots));
   std::vector<Image> images;
   for (const auto& p : plots) images.push_back(draw(p));
-  const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
+  const int rows = (count_of(images) + columns - 1) / columns;
   std::vector<int> x(columns + 1, 0),
       y(rows + 1, 0);  // each column as wide as its widest plot, each row as high as its highest
   for (std::size_t i = 0; i < images.size(); ++i) {

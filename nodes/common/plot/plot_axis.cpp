@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 double PlotAxis::place(double v) const {
@@ -16,13 +18,12 @@ std::string tick_word(double v, double step) {
   const double size = std::max(std::abs(v), std::abs(step));
   if (std::abs(v) < 1e-9 * std::abs(step)) return "0";
   if (size >= 1e6 || std::abs(step) < 1e-4) {
-    const int power = static_cast<int>(std::floor(std::log10(std::abs(v)) + 1e-9));
+    const int power = round_down(std::log10(std::abs(v)) + 1e-9);
     const double lead = v / std::pow(10, power);
-    const int digits =
-        std::clamp(power - static_cast<int>(std::floor(std::log10(std::abs(step)) + 1e-9)), 0, 6);
+    const int digits = std::clamp(power - round_down(std::log10(std::abs(step)) + 1e-9), 0, 6);
     return fmt::format("{:.{}f}e{}", lead, digits, power);
   }
-  const int digits = std::clamp(-static_cast<int>(std::floor(std::log10(std::abs(step)) + 1e-9)), 0, 5);
+  const int digits = std::clamp(-round_down(std::log10(std::abs(step)) + 1e-9), 0, 5);
   return fmt::format("{:.{}f}", v, digits);
 }
 
@@ -35,8 +36,8 @@ double nice_step(double span, int count) {
 }
 
 void log_ticks(PlotAxis& axis, int count) {
-  const int first = static_cast<int>(std::floor(std::log10(axis.lo) + 1e-9));
-  const int last = static_cast<int>(std::ceil(std::log10(axis.hi) - 1e-9));
+  const int first = round_down(std::log10(axis.lo) + 1e-9);
+  const int last = round_up(std::log10(axis.hi) - 1e-9);
   const int every = std::max(1, (last - first + count - 1) / std::max(1, count));
   const bool few = last - first <= 2;  // then 2 and 5 are labeled too
   const double slack = 1e-9;

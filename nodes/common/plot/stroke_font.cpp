@@ -17,7 +17,7 @@ struct Drawing {
   const char* strokes;
 };
 
-constexpr Drawing drawings[] = {
+constexpr Drawing kDrawings[] = {
     {U' ', 1.4, ""},
     {U'!', 0, "0,10 0,3.3; 0,0.1 0,0.4"},
     {U'"', 2.4, "0,10 0,7; 2.4,10 2.4,7"},
@@ -155,7 +155,7 @@ std::vector<std::vector<Vec2>> read_strokes(std::string_view text) {
       double a[6];
       for (double& v : a) v = number();
       text.remove_prefix(1);
-      const int steps = std::max(4, static_cast<int>(std::abs(a[5] - a[4]) / 12));
+      const int steps = std::max<int>(4, std::abs(a[5] - a[4]) / 12);
       for (int i = 0; i <= steps; ++i) {
         const double angle = (a[4] + (a[5] - a[4]) * i / steps) * M_PI / 180;
         stroke.emplace_back(a[0] + a[2] * std::cos(angle), a[1] + a[3] * std::sin(angle));
@@ -171,9 +171,9 @@ std::vector<std::vector<Vec2>> read_strokes(std::string_view text) {
 }
 
 std::map<char32_t, Glyph> make_font() {
-  constexpr double bearing = 2.45;  // pen width plus space between two letters
+  constexpr double kBearing = 2.45;  // pen width plus space between two letters
   std::map<char32_t, Glyph> font;
-  for (const auto& d : drawings) font[d.code] = {d.width + bearing, read_strokes(d.strokes)};
+  for (const auto& d : kDrawings) font[d.code] = {d.width + kBearing, read_strokes(d.strokes)};
   return font;
 }
 

@@ -15,9 +15,9 @@ struct Glyph {
   std::vector<std::vector<Vec2>> strokes;  // a stroke of one point is a dot
 };
 
-constexpr double font_ascent = 11.0,
-                 font_descent = 3.4;  // units above and below the baseline in a line of text
-constexpr double font_stroke = 1.15;  // width of the pen, units
+constexpr double kFontAscent = 11.0,
+                 kFontDescent = 3.4;  // units above and below the baseline in a line of text
+constexpr double kFontStroke = 1.15;  // width of the pen, units
 
 // Supports printable ASCII and µ ² ³ ¹ ⁻ ° × · ± – − Δ √ ≤ ≥ π σ φ χ Σ → …; other code points show an empty
 // box.

@@ -121,11 +121,9 @@ std::vector<AnovaEffect> sequential(const std::vector<AnovaCell>& cells,
 
 Eigen::MatrixXd dummies(const std::vector<AnovaCell>& cells, std::string AnovaCell::*factor) {
   const auto all = levels(cells, factor);
-  Eigen::MatrixXd m =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(cells.size()), static_cast<Eigen::Index>(all.size()));
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(cells.size(), all.size());
   for (std::size_t i = 0; i < cells.size(); ++i)
-    m(static_cast<Eigen::Index>(i),
-      std::lower_bound(all.begin(), all.end(), cells[i].*factor) - all.begin()) = 1;
+    m(i, std::lower_bound(all.begin(), all.end(), cells[i].*factor) - all.begin()) = 1;
   return m;
 }
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 
@@ -16,8 +17,8 @@ using Points = std::vector<Vec2>;
 
 // Circular Gaussian blur of evenly spaced points. It scales the outline, which does not affect the features.
 Points blurred(const Points& p, double sigma_points) {
-  const int n = p.size(), reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma_points)));
-  std::vector<double> weight(static_cast<std::size_t>(reach) + 1);
+  const int n = p.size(), reach = std::min(n / 2, round_up(3 * sigma_points));
+  std::vector<double> weight(reach + 1);
   double sum = 0;
   for (int k = 0; k <= reach; ++k) {
     weight[k] = std::exp(-0.5 * (k / sigma_points) * (k / sigma_points));
@@ -144,7 +145,7 @@ void set_curvature(OutlineFeatures& f, const Points& p) {
   const auto after = [&](std::size_t i) -> Vec2 { return p[i + arms < n ? i + arms : i + arms - n] - p[i]; };
   for (std::size_t i = 0; i < n; ++i) order[i] = {order_of_turn(before(i), after(i)), i};
   const auto set = [&](OutlineFeature feature, double q) {
-    const auto k = static_cast<std::ptrdiff_t>(q * (n - 1) + 0.5);
+    const std::ptrdiff_t k = q * (n - 1) + 0.5;
     std::nth_element(order.begin(), order.begin() + k, order.end());
     const std::size_t i = order[k].second;
     f.values[static_cast<std::size_t>(feature)] = turn_between(before(i), after(i)) * per_circle(n, arms);

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 
@@ -43,7 +44,7 @@ ProfileSweep::ProfileSweep(const Mesh& mesh)
 void ProfileSweep::start(const Vec3& direction) {
   order_.set(direction);
   ranked_.clear();
-  bucket_.assign(static_cast<std::size_t>(order_.count()) + 1, 0);
+  bucket_.assign(order_.count() + 1, 0);
   std::fill(times_middle_.begin(), times_middle_.end(), 0);
   for (const Triangle& t : mesh_.triangles) {
     const RankedTriangle& r = ranked_.emplace_back(order_, t);
@@ -96,7 +97,7 @@ void ProfileSweep::add_slab(std::int32_t bottom, std::int32_t top) {
       ++loops_[loops_[l].owner].holes;
       for (std::int32_t k = 0; k < count; ++k) {
         const AreaRange& hole = areas_[l * count + k];
-        AreaRange& outer = areas_[static_cast<std::size_t>(loops_[l].owner) * count + k];
+        AreaRange& outer = areas_[pixel_at(k, loops_[l].owner, count)];
         outer.low += hole.low;
         outer.middle += hole.middle;
         outer.high += hole.high;

@@ -31,7 +31,7 @@ double root_integral(double sigma, double x) {
 double cdf_at(const std::vector<double>& cdf, double s) {
   if (s <= 0 || cdf.empty()) return 0;
   if (s >= 1) return cdf.back();
-  const auto b = std::min(static_cast<std::size_t>(s * cdf.size()), cdf.size() - 1);
+  const auto b = std::min<std::size_t>(s * cdf.size(), cdf.size() - 1);
   const Piece p = piece(cdf, b);
   return p.alpha + p.beta * std::sqrt(1 - s * s);
 }
@@ -46,7 +46,7 @@ double mean_scaled_cdf(const std::vector<double>& cdf, double x, double lo, doub
   const double n = cdf.size();
   double from = std::max(lo, x);
   const auto last = static_cast<std::ptrdiff_t>(cdf.size()) - 1;
-  for (auto b = std::min(static_cast<std::ptrdiff_t>(x / from * n), last); from < hi; --b) {
+  for (auto b = std::min<std::ptrdiff_t>(x / from * n, last); from < hi; --b) {
     const double to = b > 0 ? std::min(hi, x * n / b) : hi;
     if (to <= from) continue;  // `from` is at a knot
     const Piece p = piece(cdf, b);
@@ -70,8 +70,8 @@ double mean_relative_area(const std::vector<double>& cdf) {
 
 Eigen::MatrixXd size_kernel(const KMatrix::Entry& shape, const std::vector<double>& profile_edges,
                             const std::vector<double>& size_edges, bool upper_edge) {
-  const auto rows = static_cast<Eigen::Index>(profile_edges.size()) - 1;
-  const auto columns = static_cast<Eigen::Index>(size_edges.size()) - 1;
+  const Eigen::Index rows = profile_edges.size() - 1;
+  const Eigen::Index columns = size_edges.size() - 1;
   const double d_max = size_edges.back();
   Eigen::MatrixXd K(rows, columns);
   for (Eigen::Index j = 0; j < columns; ++j) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "nodes/common/texture/steerable_pyramid.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 void make_periodic(std::vector<LaneComplex>& spectrum, const std::vector<LaneComplex>& picture,
                    const LaneFft2& fft, std::vector<LaneComplex>& scratch) {
   const int w = fft.width(), h = fft.height();
-  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * w + x; };
+  const auto at = [&](int x, int y) { return pixel_at(x, y, w); };
   std::vector<LaneComplex> jumps(fft.count());
   for (auto& j : jumps) {
     j.re = Lane{};
@@ -46,11 +47,11 @@ void make_periodic(std::vector<LaneComplex>& spectrum, const std::vector<LaneCom
 BandStatistics measure_bands(const Image& image, int channels, int scales, const Work& work,
                              int orientations) {
   BandStatistics out;
-  constexpr int largest_side = 720;
+  constexpr int kLargestSide = 720;
   const int sections = std::min(image.sections, 8);
-  const double side = largest_side / std::sqrt(static_cast<double>(sections));
-  const int w = out.width = fast_size_below(std::min(image.width, std::max(16, static_cast<int>(side))));
-  const int h = out.height = fast_size_below(std::min(image.height, std::max(16, static_cast<int>(side))));
+  const double side = kLargestSide / std::sqrt(static_cast<double>(sections));
+  const int w = out.width = fast_size_below(std::min(image.width, std::max<int>(16, side)));
+  const int h = out.height = fast_size_below(std::min(image.height, std::max<int>(16, side)));
   const int x0 = (image.width - w) / 2, y0 = (image.height - h) / 2;
   const LaneFft2 fft(w, h);
   const auto bands = pyramid_bands(w, h, scales, orientations);
@@ -65,7 +66,7 @@ BandStatistics measure_bands(const Image& image, int channels, int scales, const
       for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
           const Vec3f& v = image.at(x0 + x, y0 + y, section);
-          auto& p = picture[static_cast<std::size_t>(y) * w + x];
+          auto& p = picture[pixel_at(x, y, w)];
           p.re = Lane{v[0], v[1], v[2], 0};
           p.im = Lane{};
         }

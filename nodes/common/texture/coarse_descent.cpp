@@ -28,7 +28,7 @@ bool long_enough(const Vec3i& full, const Vec3i& size, int reach) {
   return true;
 }
 
-std::vector<Resolution> resolutions(const Vec3i& size, const PairTargets& targets, const DescentSettings& s) {
+std::vector<Resolution> resolutions(const Vec3i& size, const PairTargets& targets, const DescentOptions& s) {
   std::vector<Resolution> out;
   out.push_back({1, size, targets(1, size)});
   for (int k = 1; k <= kMostOctaves && s.start == Start::Coarse; ++k) {
@@ -79,7 +79,7 @@ std::optional<Cooccurrence> measure_apart(const std::vector<LevelField>& section
 }
 
 DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size,
-                      const PairTargets& targets, const DescentSettings& s, const Work& work) {
+                      const PairTargets& targets, const DescentOptions& s, const Work& work) {
   const auto all = resolutions(size, targets, s);
   double pixels = 0, done = 0;
   for (const auto& r : all) pixels += r.size.cast<double>().prod();

@@ -25,7 +25,7 @@ enum class Start {
   Noise    // only at full resolution, as in Malzbender and Spach 1993
 };
 
-struct DescentSettings {
+struct DescentOptions {
   int levels = 8;
   int reach = 2;    // the longest offset, pixels
   int sweeps = 10;  // maximum per resolution; stops when a sweep changes nothing
@@ -52,7 +52,7 @@ struct DescentResult {
 // enlarged coarser field. A coarse pixel represents one of its source pixels, not their mean, so its targets
 // are the source's own counts at longer offsets.
 DescentResult descend(const std::vector<const LevelField*>& source, const Vec3i& size, const PairTargets&,
-                      const DescentSettings&, const Work& = {});
+                      const DescentOptions&, const Work& = {});
 
 Table descent_table(const std::vector<DescentSweep>&);
 

@@ -7,6 +7,7 @@
 
 #include "nodes/common/texture/level_field.h"
 #include "nodes/data/image.h"
+#include "nodes/data/indices.h"
 #include "runtime/value.h"
 #include "runtime/work.h"
 
@@ -21,7 +22,7 @@ struct ColorLevels {
   std::vector<Vec3f> center;  // in that space, by increasing first component
   std::vector<Vec3f> color;   // scene-linear
 
-  int count() const { return static_cast<int>(center.size()); }
+  int count() const { return count_of(center); }
   Vec3f position(const Vec3f& linear) const;
   // The level nearest to a position, and its squared distance.
   int nearest(const Vec3f& position, float* distance2 = nullptr) const;

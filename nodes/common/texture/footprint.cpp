@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 std::vector<std::uint32_t> capsule(int width, int height, const Vec2& from, const Vec2& to, double radius) {
   std::vector<std::uint32_t> out;
   const Vec2 lo = from.cwiseMin(to).array() - radius, hi = from.cwiseMax(to).array() + radius;
-  const int x0 = std::max(0, static_cast<int>(std::floor(std::max(lo.x(), 0.0)))),
-            y0 = std::max(0, static_cast<int>(std::floor(std::max(lo.y(), 0.0)))),
+  const int x0 = std::max(0, round_down(std::max(lo.x(), 0.0))),
+            y0 = std::max(0, round_down(std::max(lo.y(), 0.0))),
             x1 = static_cast<int>(std::min<double>(width, std::ceil(hi.x()))),
             y1 = static_cast<int>(std::min<double>(height, std::ceil(hi.y())));
   const Vec2 along = to - from;
@@ -38,10 +40,8 @@ std::vector<std::uint32_t> surrounded(int width, int height, const std::vector<s
       }
     std::sort(crossings.begin(), crossings.end());
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-      const int x0 = static_cast<int>(
-                    std::clamp(std::ceil(crossings[i] - 0.5), 0.0, static_cast<double>(width))),
-                x1 = static_cast<int>(
-                    std::clamp(std::ceil(crossings[i + 1] - 0.5), 0.0, static_cast<double>(width)));
+      const int x0 = static_cast<int>(std::clamp<double>(std::ceil(crossings[i] - 0.5), 0.0, width)),
+                x1 = static_cast<int>(std::clamp<double>(std::ceil(crossings[i + 1] - 0.5), 0.0, width));
       for (int x = x0; x < x1; ++x)
         out.push_back(static_cast<std::uint32_t>(y) * static_cast<std::uint32_t>(width) + x);
     }

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -13,7 +14,7 @@ double distance2(const Vec3& a, const Vec3& b) { return (a - b).squaredNorm(); }
 
 int nearest(const std::vector<Vec3>& means, const Vec3& p) {
   int best = 0;
-  for (int c = 1; c < static_cast<int>(means.size()); ++c)
+  for (int c = 1; c < count_of(means); ++c)
     if (distance2(means[c], p) < distance2(means[best], p)) best = c;
   return best;
 }
@@ -22,7 +23,7 @@ std::vector<Vec3> plus_plus(const std::vector<Vec3>& points, const std::vector<d
                             Random random) {
   std::vector<Vec3> means;
   std::vector<double> chance = weights;
-  while (static_cast<int>(means.size()) < k) {
+  while (count_of(means) < k) {
     const double total = std::accumulate(chance.begin(), chance.end(), 0.0);
     if (total <= 0) break;  // no more distinct points
     double at = random.uniform() * total;
@@ -130,7 +131,7 @@ ColorClusters kmeans_auto(const std::vector<Vec3>& points, const std::vector<dou
                           std::uint64_t seed, double least, const Work& work) {
   ColorClusters best = kmeans(points, weights, 1, seed, work);
   double bar = least;
-  for (int k = 2; k <= max_k && k < static_cast<int>(points.size()); ++k) {
+  for (int k = 2; k <= max_k && k < count_of(points); ++k) {
     ColorClusters candidate = kmeans(points, weights, k, seed, work);
     if (candidate.k == k && candidate.silhouette > bar) {
       bar = candidate.silhouette;

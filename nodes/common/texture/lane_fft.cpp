@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 namespace {
 
@@ -35,11 +37,11 @@ void small(LaneComplex* a, int radix, float sign) {
     a[2] = s - t;
     a[3] = d - u;
   } else {  // radix 5
-    constexpr float c1 = 0.309016994374947424f, c2 = -0.809016994374947424f;
-    constexpr float s1 = 0.951056516295153572f, s2 = 0.587785252292473129f;
+    constexpr float kC1 = 0.309016994374947424f, kC2 = -0.809016994374947424f;
+    constexpr float kS1 = 0.951056516295153572f, kS2 = 0.587785252292473129f;
     const LaneComplex p = a[1] + a[4], q = a[2] + a[3], d = a[1] - a[4], e = a[2] - a[3];
-    const LaneComplex x = a[0] + scaled(p, c1) + scaled(q, c2), y = a[0] + scaled(p, c2) + scaled(q, c1);
-    const LaneComplex u = turn(scaled(d, s1) + scaled(e, s2)), v = turn(scaled(d, s2) - scaled(e, s1));
+    const LaneComplex x = a[0] + scaled(p, kC1) + scaled(q, kC2), y = a[0] + scaled(p, kC2) + scaled(q, kC1);
+    const LaneComplex u = turn(scaled(d, kS1) + scaled(e, kS2)), v = turn(scaled(d, kS2) - scaled(e, kS1));
     a[0] = a[0] + p + q;
     a[1] = x + u;
     a[4] = x - u;
@@ -133,18 +135,18 @@ void LaneFft::run(LaneComplex* data, LaneComplex* scratch, int inner, bool inver
 }
 
 void LaneFft2::run(LaneComplex* data, bool inverse, std::vector<LaneComplex>& scratch) const {
-  constexpr int block = 4;  // columns at a time: two cache lines of each row
+  constexpr int kBlock = 4;  // columns at a time: two cache lines of each row
   const int w = width(), h = height();
-  scratch.resize(std::max<std::size_t>(w, 2 * static_cast<std::size_t>(block) * h));
+  scratch.resize(std::max<std::size_t>(w, 2 * static_cast<std::size_t>(kBlock) * h));
   for (int y = 0; y < h; ++y) x_.run(data + static_cast<std::size_t>(y) * w, scratch.data(), 1, inverse);
-  for (int x = 0; x < w; x += block) {
-    const int n = std::min(block, w - x);
+  for (int x = 0; x < w; x += kBlock) {
+    const int n = std::min(kBlock, w - x);
     LaneComplex* columns = scratch.data();
     for (int y = 0; y < h; ++y)
-      std::copy_n(data + static_cast<std::size_t>(y) * w + x, n, columns + static_cast<std::size_t>(y) * n);
-    y_.run(columns, columns + static_cast<std::size_t>(block) * h, n, inverse);
+      std::copy_n(data + pixel_at(x, y, w), n, columns + static_cast<std::size_t>(y) * n);
+    y_.run(columns, columns + static_cast<std::size_t>(kBlock) * h, n, inverse);
     for (int y = 0; y < h; ++y)
-      std::copy_n(columns + static_cast<std::size_t>(y) * n, n, data + static_cast<std::size_t>(y) * w + x);
+      std::copy_n(columns + static_cast<std::size_t>(y) * n, n, data + pixel_at(x, y, w));
   }
 }
 

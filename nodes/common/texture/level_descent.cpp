@@ -5,6 +5,7 @@
 #include <cstring>
 #include <numeric>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -34,8 +35,7 @@ LevelDescent::LevelDescent(const LevelField& start, int levels, bool periodic,
       pad_(Vec3i::Zero()) {
   for (const auto& t : targets) pad_ = pad_.cwiseMax(t.offset.cwiseAbs());
   padded_ = size_ + 2 * pad_;
-  levels_of_.assign(static_cast<std::size_t>(padded_.x()) * padded_.y() * padded_.z(),
-                    static_cast<std::uint8_t>(levels));
+  levels_of_.assign(voxels_in(padded_), static_cast<std::uint8_t>(levels));
   order_.reserve(start.at.size());
   for (int z = 0; z < size_.z(); ++z)
     for (int y = 0; y < size_.y(); ++y)
@@ -89,19 +89,18 @@ void LevelDescent::place(std::uint32_t padded, std::uint8_t level) {
             nz = copies(z, pad_.z(), size_.z(), zs);
   for (int k = 0; k < nz; ++k)
     for (int j = 0; j < ny; ++j)
-      for (int i = 0; i < nx; ++i)
-        levels_of_[(static_cast<std::size_t>(zs[k]) * padded_.y() + ys[j]) * padded_.x() + xs[i]] = level;
+      for (int i = 0; i < nx; ++i) levels_of_[voxel_at(xs[i], ys[j], zs[k], padded_)] = level;
 }
 
 template <int Vectors, bool Weighted>
 std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
-  constexpr int width = Vectors * kLanes;
+  constexpr int kWidth = Vectors * kLanes;
   const int levels = levels_;
-  const auto rows = static_cast<std::size_t>(levels + 1) * width;
+  const auto rows = static_cast<std::size_t>(levels + 1) * kWidth;
   const std::size_t offsets = step_.size();
   // unit[k] is 1 in lane k; row `levels` is zero.
-  alignas(32) std::int32_t unit[(Vectors * kLanes + 1) * width] = {};
-  for (int k = 0; k < levels; ++k) unit[k * width + k] = 1;
+  alignas(32) std::int32_t unit[(Vectors * kLanes + 1) * kWidth] = {};
+  for (int k = 0; k < levels; ++k) unit[k * kWidth + k] = 1;
   std::size_t changed = 0;
   for (std::size_t p = 0; p < n; ++p) {
     const std::uint8_t* at = levels_of_.data() + pixels[p];
@@ -111,17 +110,18 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
     for (std::size_t d = 0; d < offsets; ++d) {
       const int after = at[step_[d]], before = at[-step_[d]];
       const auto* remote =
-          reinterpret_cast<const Eight*>(&by_remote_[d * rows + static_cast<std::size_t>(after) * width]);
+          reinterpret_cast<const Eight*>(&by_remote_[d * rows + static_cast<std::size_t>(after) * kWidth]);
       const auto* home =
-          reinterpret_cast<const Eight*>(&by_home_[d * rows + static_cast<std::size_t>(before) * width]);
+          reinterpret_cast<const Eight*>(&by_home_[d * rows + static_cast<std::size_t>(before) * kWidth]);
       // Removing the pixel decreases D[now, after] and D[before, now] by one. This affects a candidate's two
       // entries at t = now, at t = before if after = now, and at t = after if before = now.
-      const auto* own = reinterpret_cast<const Eight*>(unit + now * width);
-      const auto* first = reinterpret_cast<const Eight*>(unit + row_if(after == now, before, levels) * width);
+      const auto* own = reinterpret_cast<const Eight*>(unit + now * kWidth);
+      const auto* first =
+          reinterpret_cast<const Eight*>(unit + row_if(after == now, before, levels) * kWidth);
       const auto* second =
-          reinterpret_cast<const Eight*>(unit + row_if(before == now, after, levels) * width);
+          reinterpret_cast<const Eight*>(unit + row_if(before == now, after, levels) * kWidth);
       const auto* both =
-          reinterpret_cast<const Eight*>(unit + row_if(before == after, before, levels) * width);
+          reinterpret_cast<const Eight*>(unit + row_if(before == after, before, levels) * kWidth);
       const int ends = (after < levels) + (before < levels);
       for (int v = 0; v < Vectors; ++v) {
         const Eight sum = remote[v] + home[v] - own[v] * ends - first[v] - second[v] + both[v];
@@ -147,16 +147,16 @@ std::size_t LevelDescent::visit(const std::uint32_t* pixels, std::size_t n) {
       const int after = at[step_[d]], before = at[-step_[d]];
       std::int32_t *remote = &by_remote_[d * rows], *home = &by_home_[d * rows];
       if (after < levels) {
-        --home[now * width + after];
-        ++home[best * width + after];
-        --remote[after * width + now];
-        ++remote[after * width + best];
+        --home[now * kWidth + after];
+        ++home[best * kWidth + after];
+        --remote[after * kWidth + now];
+        ++remote[after * kWidth + best];
       }
       if (before < levels) {
-        --home[before * width + now];
-        ++home[before * width + best];
-        --remote[now * width + before];
-        ++remote[best * width + before];
+        --home[before * kWidth + now];
+        ++home[before * kWidth + best];
+        --remote[now * kWidth + before];
+        ++remote[best * kWidth + before];
       }
     }
     place(pixels[p], best);
@@ -170,7 +170,7 @@ std::size_t LevelDescent::sweep(std::uint64_t seed, const Work& work) {
   constexpr std::size_t kStep = 4096;
   for (std::size_t i = 0; i < order_.size(); i += kStep) {
     work.check();
-    work.progress(static_cast<double>(i) / order_.size());
+    work.done(i, order_.size());
     const std::uint32_t* pixels = order_.data() + i;
     const std::size_t n = std::min(kStep, order_.size() - i);
     switch (width_ / kLanes * 2 + weighted_) {
@@ -244,7 +244,7 @@ std::vector<std::int32_t> LevelDescent::counts() const {
 
 LevelField level_noise(const std::vector<const LevelField*>& source, int levels, const Vec3i& size,
                        std::uint64_t seed) {
-  std::vector<std::int64_t> count(static_cast<std::size_t>(levels), 0);
+  std::vector<std::int64_t> count(levels, 0);
   std::int64_t total = 0;
   for (const auto* f : source)
     for (const auto level : f->at)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 
 namespace terrazzo {
@@ -16,11 +17,8 @@ struct LevelField {
   std::vector<std::uint8_t> at;  // 0 … levels − 1, or kNoLevel
 
   LevelField() = default;
-  explicit LevelField(const Vec3i& size, std::uint8_t fill = 0)
-      : size(size), at(static_cast<std::size_t>(size.x()) * size.y() * size.z(), fill) {}
-  std::size_t index(int x, int y, int z = 0) const {
-    return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x;
-  }
+  explicit LevelField(const Vec3i& size, std::uint8_t fill = 0) : size(size), at(voxels_in(size), fill) {}
+  std::size_t index(int x, int y, int z = 0) const { return voxel_at(x, y, z, size); }
 };
 
 }  // namespace terrazzo

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -23,8 +24,7 @@ double gradient(std::uint64_t h, double x, double y, double z) {
 }  // namespace
 
 double noise(std::uint64_t seed, const Vec3& p) {
-  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y())),
-            z = static_cast<int>(std::floor(p.z()));
+  const int x = round_down(p.x()), y = round_down(p.y()), z = round_down(p.z());
   const double fx = p.x() - x, fy = p.y() - y, fz = p.z() - z;
   const auto blend = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
   const double u = blend(fx), v = blend(fy), w = blend(fz);
@@ -45,8 +45,7 @@ double turbulence(std::uint64_t seed, const Vec3& p, int octaves) {
 }
 
 Cell cellular(std::uint64_t seed, const Vec3& p) {
-  const int x = static_cast<int>(std::floor(p.x())), y = static_cast<int>(std::floor(p.y())),
-            z = static_cast<int>(std::floor(p.z()));
+  const int x = round_down(p.x()), y = round_down(p.y()), z = round_down(p.z());
   double first = 1e9, second = 1e9;
   Cell out;
   for (int dz = -1; dz <= 1; ++dz)

@@ -9,7 +9,7 @@ namespace terrazzo {
 
 float Quantiles::of(double u) const {
   const double x = std::clamp(u, 0.0, 1.0) * (at.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(x), at.size() - 2);
+  const std::size_t i = std::min<std::size_t>(x, at.size() - 2);
   return at[i] + static_cast<float>(x - i) * (at[i + 1] - at[i]);
 }
 
@@ -34,16 +34,16 @@ Quantiles quantiles_of(const std::vector<float>& values) {
   q.least = picked.front();
   q.most = picked.back();
   // Entry i represents the middle of its share of the samples.
-  constexpr std::size_t entries = 2049;
-  for (std::size_t i = 0; i < entries; ++i) {
-    const double x = static_cast<double>(i) / (entries - 1) * most - 0.5;
-    const double c = std::clamp(x, 0.0, static_cast<double>(most - 1));
+  constexpr std::size_t kEntries = 2049;
+  for (std::size_t i = 0; i < kEntries; ++i) {
+    const double x = static_cast<double>(i) / (kEntries - 1) * most - 0.5;
+    const double c = std::clamp<double>(x, 0.0, most - 1);
     const std::size_t lo = static_cast<std::size_t>(c), hi = std::min(lo + 1, most - 1);
     q.at.push_back(picked[lo] + static_cast<float>(c - lo) * (picked[hi] - picked[lo]));
   }
   // Set the outermost entries so that the outermost cells have the mean of their samples, instead of to the
   // extremes. A straight line to a single outlier would widen the distribution by several percent.
-  const std::size_t cell = most / (entries - 1);
+  const std::size_t cell = most / (kEntries - 1);
   if (cell >= 2) {
     double low = 0, high = 0;
     for (std::size_t i = 0; i < cell; ++i) {
@@ -54,7 +54,7 @@ Quantiles quantiles_of(const std::vector<float>& values) {
       return static_cast<float>(2 * mean_of_cell / cell - inner);
     };
     q.at.front() = std::clamp(end(low, q.at[1]), picked.front(), q.at[1]);
-    q.at.back() = std::clamp(end(high, q.at[entries - 2]), q.at[entries - 2], picked.back());
+    q.at.back() = std::clamp(end(high, q.at[kEntries - 2]), q.at[kEntries - 2], picked.back());
   }
   return q;
 }
@@ -100,9 +100,9 @@ inline BinPlace place(const float* v, float lo, float scale) {
   Four x;
   std::memcpy(&x, v, sizeof x);
   x = (x - lo) * scale;
-  constexpr float top = Remap::kBins - 0.001f;
+  constexpr float kTop = Remap::kBins - 0.001f;
   x = x > 0.0f ? x : Four{};  // NaN also becomes the first bin
-  x = x < top ? x : Four{top, top, top, top};
+  x = x < kTop ? x : Four{kTop, kTop, kTop, kTop};
   BinPlace p;
   p.bin = __builtin_convertvector(x, FourInts);
   p.part = x - __builtin_convertvector(p.bin, Four);

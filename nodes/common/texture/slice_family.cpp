@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 namespace {
@@ -28,8 +29,7 @@ SliceFamily::SliceFamily(const Vec3i& size, int axis, int scales)
       fft_(size[kSliceColumns[axis]], size[kSliceRows[axis]]),
       bands_(pyramid_bands(fft_.width(), fft_.height(), scales)) {
   for (const Band& b : bands_) crops_.emplace_back(b.width, b.height);
-  const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x()),
-                                static_cast<std::size_t>(size.x()) * size.y()};
+  const std::size_t steps[3] = {1, static_cast<std::size_t>(size.x()), pixels_in(size.x(), size.y())};
   step_u_ = steps[kSliceColumns[axis]];
   step_v_ = steps[kSliceRows[axis]];
   step_slice_ = steps[axis];
@@ -44,7 +44,7 @@ void SliceFamily::transform(const std::vector<float>& volume, Workspace& space, 
       const float* from[kAtOnce];
       for (int i = 0; i < kAtOnce; ++i) from[i] = volume.data() + (g * kAtOnce + i) % slices_ * step_slice_;
       each_pixel([&](int u, int v) {
-        float* to = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        float* to = lanes(group[pixel_at(u, v, fft_.width())]);
         for (int i = 0; i < kAtOnce; ++i) to[i] = from[i][u * step_u_ + v * step_v_];
       });
       fft_.run(group, false, scratch);
@@ -58,7 +58,7 @@ void SliceFamily::change_coarse(const Band& band, const Remap& remap, std::vecto
                                 const Work& work) const {
   // Gaussian with half height at the band's upper edge.
   const double sigma = std::sqrt(2 * std::numbers::ln2) / upper_edge(band.scale);
-  const int reach = static_cast<int>(std::ceil(2.5 * sigma));
+  const int reach = round_up(2.5 * sigma);
   std::vector<float> kernel;
   float all = 0;
   for (int k = -reach; k <= reach; ++k)
@@ -135,7 +135,7 @@ void SliceFamily::recombine(std::size_t group, const std::vector<Remap>& remap,
   const int used = slices_in(group);
   float* to = sum.data() + group * kAtOnce * step_slice_;
   each_pixel([&](int u, int v) {
-    const float* from = lanes(output[static_cast<std::size_t>(v) * fft_.width() + u]);
+    const float* from = lanes(output[pixel_at(u, v, fft_.width())]);
     float* voxel = to + u * step_u_ + v * step_v_;
     for (int i = 0; i < used; ++i) voxel[i * step_slice_] += norm * from[i];
   });
@@ -260,7 +260,7 @@ void SliceFamily::filter_spectra(std::vector<float>& volume, const std::vector<f
       const int used = slices_in(g);
       float* to = volume.data() + g * kAtOnce * step_slice_;
       each_pixel([&](int u, int v) {
-        const float* from = lanes(group[static_cast<std::size_t>(v) * fft_.width() + u]);
+        const float* from = lanes(group[pixel_at(u, v, fft_.width())]);
         float* voxel = to + u * step_u_ + v * step_v_;
         for (int i = 0; i < used; ++i) voxel[i * step_slice_] = from[i];
       });

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 namespace {
 
@@ -23,7 +25,7 @@ double high_pass(double r, double edge) {
 // Size of a grid that holds all frequencies of n samples below `edge` (radians per pixel).
 int cropped(int n, double edge) {
   if (edge >= kPi) return n;
-  return std::min(n, fast_even_size_above(static_cast<int>(std::ceil(n * edge / kPi))));
+  return std::min(n, fast_even_size_above(round_up(n * edge / kPi)));
 }
 
 int signed_frequency(int i, int n) { return 2 * i < n ? i : i - n; }
@@ -62,7 +64,7 @@ std::vector<Band> pyramid_bands(int width, int height, int scales, int orientati
       b.odd = orientations > 1 && scale > 0 && scale <= scales;
       b.width = cropped(width, upper_edge(scale));
       b.height = cropped(height, upper_edge(scale));
-      b.gain.resize(static_cast<std::size_t>(b.width) * b.height);
+      b.gain.resize(pixels_in(b.width, b.height));
       b.source.resize(b.gain.size());
       for (int y = 0; y < b.height; ++y)
         for (int x = 0; x < b.width; ++x) {
@@ -70,7 +72,7 @@ std::vector<Band> pyramid_bands(int width, int height, int scales, int orientati
           const double u = 2 * kPi * fx / width, v = 2 * kPi * fy / height;
           const double g = orientations == 1 ? radial_gain(scale, scales, std::hypot(u, v))
                                              : band_gain(scale, o, scales, u, v);
-          const std::size_t at = static_cast<std::size_t>(y) * b.width + x;
+          const std::size_t at = pixel_at(x, y, b.width);
           b.gain[at] = g;
           b.source[at] = static_cast<std::size_t>((fy + height) % height) * width + (fx + width) % width;
         }

@@ -5,6 +5,7 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/quantiles.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -17,7 +18,7 @@ PatchPicture picture_of(const TexturePart& part) {
   PatchPicture p;
   p.width = part.image->width;
   p.height = part.image->height;
-  const auto n = static_cast<std::size_t>(p.width) * p.height;
+  const auto n = pixels_in(p.width, p.height);
   for (std::size_t i = 0; i < n; ++i) p.pixels.push_back(linear_to_oklab(part.image->pixels[i]));
   p.inside = part.mask;
   return p;
@@ -43,18 +44,16 @@ std::vector<std::size_t> corners_of(const PatchPicture& p) {
   std::vector<std::int32_t> sum(static_cast<std::size_t>(w) * (p.height + 1), 0);
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x)
-      sum[static_cast<std::size_t>(y + 1) * w + x + 1] =
-          (p.inside.empty() || p.inside[static_cast<std::size_t>(y) * p.width + x]) +
-          sum[static_cast<std::size_t>(y) * w + x + 1] + sum[static_cast<std::size_t>(y + 1) * w + x] -
-          sum[static_cast<std::size_t>(y) * w + x];
+      sum[pixel_at(x, y + 1, w) + 1] = (p.inside.empty() || p.inside[pixel_at(x, y, p.width)]) +
+                                       sum[pixel_at(x, y, w) + 1] + sum[pixel_at(x, y + 1, w)] -
+                                       sum[pixel_at(x, y, w)];
   std::vector<std::size_t> out;
   for (int y = 0; y + kSide <= p.height; ++y)
     for (int x = 0; x + kSide <= p.width; ++x)
-      if (sum[static_cast<std::size_t>(y + kSide) * w + x + kSide] -
-              sum[static_cast<std::size_t>(y) * w + x + kSide] -
-              sum[static_cast<std::size_t>(y + kSide) * w + x] + sum[static_cast<std::size_t>(y) * w + x] ==
+      if (sum[pixel_at(x, y + kSide, w) + kSide] - sum[pixel_at(x, y, w) + kSide] -
+              sum[pixel_at(x, y + kSide, w)] + sum[pixel_at(x, y, w)] ==
           kSide * kSide)
-        out.push_back(static_cast<std::size_t>(y) * p.width + x);
+        out.push_back(pixel_at(x, y, p.width));
   return out;
 }
 
@@ -69,12 +68,12 @@ std::vector<std::vector<float>> project(const std::vector<PatchPicture>& picture
   for (const PatchPicture& p : pictures)
     for (const std::size_t at : corners_of(p)) corners.push_back({&p, at});
   if (corners.empty()) return {};
-  constexpr int n = kSide * kSide;
+  constexpr int kN = kSide * kSide;
   std::vector<std::vector<float>> out(kDirections);
   work.parallel(kDirections, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t d = begin; d < end; ++d) {
       Random random(7, 1, d);
-      Vec3f direction[n];
+      Vec3f direction[kN];
       double square = 0;
       for (auto& v : direction) {
         const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -90,8 +89,7 @@ std::vector<std::vector<float>> project(const std::vector<PatchPicture>& picture
         float sum = 0;
         for (int v = 0; v < kSide; ++v)
           for (int u = 0; u < kSide; ++u)
-            sum +=
-                p.pixels[corner.at + static_cast<std::size_t>(v) * p.width + u].dot(direction[v * kSide + u]);
+            sum += p.pixels[corner.at + pixel_at(u, v, p.width)].dot(direction[v * kSide + u]);
         out[d].push_back(sum * unit);
       }
       std::sort(out[d].begin(), out[d].end());
@@ -160,15 +158,14 @@ double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<Patch
     for (const PatchPicture& p : pictures)
       for (const std::size_t at : corners_of(p)) corners.emplace_back(&p, at);
     const std::size_t count = std::min(most, corners.size());
-    Columns c{Eigen::MatrixXf(n, static_cast<Eigen::Index>(count)), {}};
+    Columns c{Eigen::MatrixXf(n, count), {}};
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t lo = i * corners.size() / count, hi = (i + 1) * corners.size() / count;
       const auto& [p, at] = corners[lo + Random(11, stream, i).below(hi - lo)];
       for (int v = 0, row = 0; v < kSide; ++v)
         for (int u = 0; u < kSide; ++u)
           for (int k = 0; k < 3; ++k, ++row)
-            c.patch(row, static_cast<Eigen::Index>(i)) =
-                p->pixels[at + static_cast<std::size_t>(v) * p->width + u][k];
+            c.patch(row, i) = p->pixels[at + static_cast<std::size_t>(v) * p->width + u][k];
     }
     c.half = 0.5f * c.patch.colwise().squaredNorm();
     return c;
@@ -186,7 +183,7 @@ double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<Patch
     }
   });
   std::sort(nearest.begin(), nearest.end());
-  return nearest[std::min(count - 1, static_cast<std::size_t>(share * count))];
+  return nearest[std::min<std::size_t>(count - 1, share * count)];
 }
 
 double patch_distance_floor(const Image& image, const Work& work) {

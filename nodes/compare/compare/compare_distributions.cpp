@@ -31,7 +31,7 @@ Density summed(const SizeDistribution& d) {
   Density s{std::vector<double>(d.classes(), 0.0), std::vector<double>(d.classes(), 0.0)};
   for (const auto& e : d.shapes)
     for (std::size_t i = 0; i < d.classes(); ++i) {
-      const double sd = (e.high[i] - e.low[i]) / (2 * sigmas_90);
+      const double sd = (e.high[i] - e.low[i]) / (2 * kSigmas90);
       s.value[i] += e.N_V[i];
       s.variance[i] += std::isfinite(sd) ? sd * sd : 0;
     }
@@ -62,7 +62,7 @@ Density reclassed(const Density& d, const std::vector<double>& from, const std::
 
 }  // namespace
 
-Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareChoice& choice) {
+Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareOptions& choice) {
   check(a, "a"), check(b, "b");
   Comparison out;
   Density da = summed(a), db = summed(b);
@@ -80,14 +80,14 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
   for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
     const double va = da.value[i], vb = db.value[i], noise = da.variance[i] + db.variance[i];
     out.numbers.push_back({"size_classes", fmt::format("N_V {}", i + 1), unit, edges[i], edges[i + 1], va, vb,
-                           std::max(sigmas_95 * std::sqrt(noise), 1e-9 * std::abs(va))});
+                           std::max(kSigmas95 * std::sqrt(noise), 1e-9 * std::abs(va))});
     total_a += va;
     total_b += vb;
     difference += std::abs(vb - va);
     variance += noise;
   }
   out.numbers.push_back({"size_classes", "N_V", unit, 0, 0, total_a, total_b,
-                         std::max(sigmas_95 * std::sqrt(variance), 1e-9 * std::abs(total_a))});
+                         std::max(kSigmas95 * std::sqrt(variance), 1e-9 * std::abs(total_a))});
   out.metrics["N_V_a"] = total_a;
   out.metrics["N_V_b"] = total_b;
   if (total_a > 0) out.metrics["N_V_l1"] = difference / total_a;

@@ -22,7 +22,7 @@ struct Pixels {
   Vec3f linear = Vec3f::Zero();
 };
 
-constexpr int blocks = 6;  // per side
+constexpr int kBlocks = 6;  // per side
 
 Pixels pixels_of(const Image& image, const char* which, const Work& work) {
   if (image.pixels.empty()) throw Error("no-pixels", fmt::format("image {} has no pixels", which));
@@ -31,7 +31,7 @@ Pixels pixels_of(const Image& image, const char* which, const Work& work) {
   // About a million pixels suffice for a histogram.
   const std::size_t step = 1 + image.pixels.size() / 1000000;
   std::size_t index = 0;
-  std::vector<Eigen::Vector3d> block_sum(static_cast<std::size_t>(blocks * blocks) * image.sections,
+  std::vector<Eigen::Vector3d> block_sum(static_cast<std::size_t>(kBlocks * kBlocks) * image.sections,
                                          Eigen::Vector3d::Zero());
   std::vector<double> block_count(block_sum.size(), 0.0);
   for (int s = 0; s < image.sections; ++s)
@@ -45,8 +45,8 @@ Pixels pixels_of(const Image& image, const char* which, const Work& work) {
         linear += c.cast<double>();
         p.mean += lab.cast<double>();
         const std::size_t block =
-            (static_cast<std::size_t>(s) * blocks + y * blocks / image.height) * blocks +
-            x * blocks / image.width;
+            (static_cast<std::size_t>(s) * kBlocks + y * kBlocks / image.height) * kBlocks +
+            x * kBlocks / image.width;
         block_sum[block] += lab.cast<double>();
         ++block_count[block];
         if (mix64(index++) % step) continue;
@@ -80,7 +80,7 @@ double floor_of(const Pixels& p, int channel) {
 
 }  // namespace
 
-Comparison compare(const Image& a, const Image& b, const CompareChoice& choice, const Work& work) {
+Comparison compare(const Image& a, const Image& b, const CompareOptions& choice, const Work& work) {
   const Pixels pa = pixels_of(a, "a", work), pb = pixels_of(b, "b", work);
   Comparison out;
   if (choice.color) {

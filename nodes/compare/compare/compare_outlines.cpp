@@ -99,7 +99,7 @@ void compare_outlines(const Profiles& a, const Profiles& b, const std::string& m
     return;
   }
   out.numbers.push_back({measure, "mean", unit, 0, 0, sa.mean, sb.mean,
-                         sigmas_95 * std::sqrt(sa.variance / sa.count() + sb.variance / sb.count())});
+                         kSigmas95 * std::sqrt(sa.variance / sa.count() + sb.variance / sb.count())});
   out.numbers.push_back({measure, "Kolmogorov–Smirnov distance", "", 0, 0, 0, smirnov(sa, sb),
                          kSmirnov_95 * std::sqrt(1 / sa.count() + 1 / sb.count())});
   out.metrics[measure + "_a"] = sa.mean;

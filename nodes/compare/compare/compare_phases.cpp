@@ -5,6 +5,7 @@
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/compare/compare/comparison.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::compare {
 namespace {
@@ -65,7 +66,7 @@ struct Counts {
 };
 
 std::vector<Counts> count_segments(const std::vector<Window>& windows, double reach, const Work& work) {
-  const int longest = static_cast<int>(std::ceil(reach / windows.front().labels->pixel_size)) + 1;
+  const int longest = round_up(reach / windows.front().labels->pixel_size) + 1;
   std::vector<Counts> counts(windows.size(), Counts(static_cast<std::size_t>(longest) + 1));
   work.parallel(windows.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -109,7 +110,7 @@ Phases curves_of(const Counts& counts, double reach, double pixel) {
   for (std::size_t q = 0; q < out.size(); ++q)
     for (int k = 0; k < kDistances; ++k) {
       const double at = reach * k / (kDistances - 1) / pixel;
-      const auto low = std::min(static_cast<std::size_t>(at), n - 2);
+      const auto low = std::min<std::size_t>(at, n - 2);
       const double t = at - low;
       out[q].push_back((1 - t) * share(q, low) + t * share(q, low + 1));
     }
@@ -171,7 +172,7 @@ std::array<double, 3> noise_of(const Labels& labels, double area_a, double area_
 
 }  // namespace
 
-void compare_phases(const Labels& a, const Labels& b, const CompareChoice& choice, Comparison& out,
+void compare_phases(const Labels& a, const Labels& b, const CompareOptions& choice, Comparison& out,
                     const Work& work) {
   if (!choice.two_point && !choice.lineal_path) return;
   double shortest = 1e300, whole_a = 0, whole_b = 0;

@@ -29,11 +29,11 @@ struct Bin {
   double weight = 0, squares = 0;
 };
 
-std::vector<Bin> bins_of(const Profiles& p, double largest, const CompareChoice& choice) {
+std::vector<Bin> bins_of(const Profiles& p, double largest, const CompareOptions& choice) {
   std::vector<Bin> bins(choice.classes);
   for (const Profile& q : p.profiles) {
     if (q.weight == 0 || diameter(q) < choice.smallest) continue;
-    const int i = std::min(static_cast<int>(diameter(q) / largest * choice.classes), choice.classes - 1);
+    const int i = std::min<int>(diameter(q) / largest * choice.classes, choice.classes - 1);
     bins[i].weight += q.weight;
     bins[i].squares += q.weight * q.weight;
   }
@@ -63,11 +63,11 @@ ComparedNumber compare_rate(const Bin& a, double area_a, const Bin& b, double ar
   const double variance =
       rate_variance(a, area_a, b, area_b, area_a) + rate_variance(a, area_a, b, area_b, area_b);
   const double one = weight > 0 ? (a.squares + b.squares) / weight : 0;  // mean weight of one more profile
-  n.tolerance = weight > 0 ? sigmas_95 * std::sqrt(variance) + 0.5 * one * (1 / area_a + 1 / area_b) : 0;
+  n.tolerance = weight > 0 ? kSigmas95 * std::sqrt(variance) + 0.5 * one * (1 / area_a + 1 / area_b) : 0;
   return n;
 }
 
-void compare_sizes(const Profiles& a, const Profiles& b, const CompareChoice& choice, Comparison& out) {
+void compare_sizes(const Profiles& a, const Profiles& b, const CompareOptions& choice, Comparison& out) {
   double largest = 0;
   for (const Profiles* set : {&a, &b})
     for (const Profile& p : set->profiles)
@@ -155,7 +155,7 @@ void compare_fractions(const Profiles& a, const Profiles& b, Comparison& out) {
   const Fraction fa = fraction_of(a, "a", out), fb = fraction_of(b, "b", out);
   if (std::isnan(fa.value) || std::isnan(fb.value)) return;
   out.numbers.push_back({"area_fraction", "area fraction", "", 0, 0, fa.value, fb.value,
-                         sigmas_95 * std::hypot(fa.error, fb.error)});
+                         kSigmas95 * std::hypot(fa.error, fb.error)});
   out.metrics["area_fraction_a"] = fa.value;
   out.metrics["area_fraction_b"] = fb.value;
   out.metrics["area_fraction_ratio"] = fb.value / fa.value;
@@ -189,7 +189,7 @@ MeanColor mean_color(const Profiles& p) {
 
 }  // namespace
 
-Comparison compare(const Profiles& a, const Profiles& b, const CompareChoice& choice) {
+Comparison compare(const Profiles& a, const Profiles& b, const CompareOptions& choice) {
   check(a, "a"), check(b, "b");
   Comparison out;
   if (choice.size_classes) compare_sizes(a, b, choice, out);

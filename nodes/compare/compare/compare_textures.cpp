@@ -98,16 +98,16 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
     return all;
   };
   const auto m = measured<Scales>(a, b, of, [](const Scales& x, const Scales& y) {
-    constexpr int steps = 256;
+    constexpr int kSteps = 256;
     Values v;
     for (std::size_t s = 0; s < x.size(); ++s) {
       double sum = 0;
       for (std::size_t k = 0; k < x[s].band.size(); ++k)
-        for (int i = 0; i < steps; ++i) {
-          const double u = (i + 0.5) / steps;
+        for (int i = 0; i < kSteps; ++i) {
+          const double u = (i + 0.5) / kSteps;
           sum += std::abs(x[s].band[k].of(u) - y[s].band[k].of(u)) / std::max(1e-9, x[s].band[k].deviation);
         }
-      v.push_back(sum / steps / x[s].band.size());
+      v.push_back(sum / kSteps / x[s].band.size());
     }
     for (std::size_t s = 0; s < x.size(); ++s) v.push_back(std::abs(x[s].deviation - y[s].deviation));
     return v;
@@ -182,7 +182,7 @@ std::vector<Phase> darker_half(const Image& lab) {
   return all;
 }
 
-void compare_phases(const Texture& a, const Texture& b, const CompareChoice& choice, Comparison& out,
+void compare_phases(const Texture& a, const Texture& b, const CompareOptions& choice, Comparison& out,
                     const Work& work) {
   const auto of = [&](const Image& lab) {
     work.check();
@@ -235,7 +235,7 @@ double seam_ratio(const Image& lab, int axis) {
 
 }  // namespace
 
-void compare_textures(const Image& a, const Image& b, const CompareChoice& choice, Comparison& out,
+void compare_textures(const Image& a, const Image& b, const CompareOptions& choice, Comparison& out,
                       const Work& work) {
   if (!choice.bands && !choice.patches && !choice.two_point && !choice.lineal_path && !choice.seam) return;
   if (std::min({a.width, a.height, b.width, b.height}) < kLeastSide) {

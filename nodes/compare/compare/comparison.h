@@ -38,7 +38,7 @@ struct Comparison {
   std::vector<std::string> warnings;
 };
 
-struct CompareChoice {
+struct CompareOptions {
   bool size_classes = true, area_fraction = true, color = true;
   bool circularity = true, total_curvature = true;  // profiles
   bool two_point = true, lineal_path = true;        // images, and profiles with labels
@@ -56,12 +56,12 @@ struct CompareChoice {
 // outlines, if both sets have any. Compares the means, and the distributions by the Kolmogorov–Smirnov
 // distance. Throws Error "no-profiles" if a set is empty, "bad-profile" if an area or weight is not a number
 // ≥ 0.
-Comparison compare(const Profiles& a, const Profiles& b, const CompareChoice&);
+Comparison compare(const Profiles& a, const Profiles& b, const CompareOptions&);
 
 // size_classes: N_V summed over shapes and color classes. If the class edges differ, both are redistributed
 // to `classes` equal bins, assuming that each class is uniform over its sizes. The noise comes from the 90 %
 // intervals. L1 as above. Throws Error "no-classes".
-Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareChoice&);
+Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareOptions&);
 
 // color: means in Oklab, and the earth mover's distance (mean difference of quantiles) of each channel's
 // histogram. The tolerance of the latter is the larger distance between halves of a or halves of b. The
@@ -70,7 +70,7 @@ Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const C
 // up to 32 pixels. patches: 7 × 7 pixels in Oklab, as distributions and by their nearest patch in the other
 // image. seam: step across the wrap / mean step inside, without a tolerance. Throws Error "no-pixels",
 // "bad-pixels".
-Comparison compare(const Image& a, const Image& b, const CompareChoice&, const Work& = {});
+Comparison compare(const Image& a, const Image& b, const CompareOptions&, const Work& = {});
 
 // How particles and binder are arranged in the sections of two sets: two_point is the probability that both
 // ends of a segment are in particles, lineal_path that all of it is in one particle, or in the binder
@@ -79,10 +79,10 @@ Comparison compare(const Image& a, const Image& b, const CompareChoice&, const W
 // Compares the largest difference at any distance. Its tolerance is the 95th percentile of the same
 // difference between one section and the others of the set with more sections (below four, quarters of
 // sections), scaled to the areas of both sets.
-void compare_phases(const Labels& a, const Labels& b, const CompareChoice&, Comparison&, const Work&);
+void compare_phases(const Labels& a, const Labels& b, const CompareOptions&, Comparison&, const Work&);
 
 // Parts of the above, in compare_textures.cpp and compare_outlines.cpp.
-void compare_textures(const Image& a, const Image& b, const CompareChoice&, Comparison&, const Work&);
+void compare_textures(const Image& a, const Image& b, const CompareOptions&, Comparison&, const Work&);
 // `measure` is circularity or total_curvature.
 void compare_outlines(const Profiles& a, const Profiles& b, const std::string& measure, double smallest,
                       Comparison&);

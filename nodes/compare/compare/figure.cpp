@@ -11,7 +11,7 @@ namespace terrazzo::compare {
 
 namespace {
 
-constexpr int height = 480;
+constexpr int kHeight = 480;
 const Vec3f ink = Vec3f::Constant(0.02f);
 
 void fill(Image& image, int x0, int y0, int x1, int y1, const Vec3f& color) {
@@ -50,7 +50,7 @@ Plot pair_of(const ComparedNumber& n, const std::string& title, const std::strin
   Plot plot;
   plot.title = title;
   plot.width = 300;
-  plot.height = height;
+  plot.height = kHeight;
   plot.x_words = {name_a, name_b};
   for (int k = 0; k < 2; ++k) {
     PlotSeries s;
@@ -68,13 +68,13 @@ Plot pair_of(const ComparedNumber& n, const std::string& title, const std::strin
 }
 
 Image swatches_of(const Comparison& c, const std::string& name_a, const std::string& name_b) {
-  Image image(300, height, 1, 1, Vec3f::Ones());
+  Image image(300, kHeight, 1, 1, Vec3f::Ones());
   Coverage title(image.width, image.height);
   add_text(title, 16, 12, "Mean colors", 19, Turn::None, 1.25);  // matches the titles of the adjacent plots
   title.paint(image, ink);
   draw_text(image, 24, 48, name_a, 15, ink);
   draw_text(image, 150, 48, name_b, 15, ink);
-  const int rows = c.colors.size(), step = std::min(200, (height - 90) / std::max(rows, 1));
+  const int rows = c.colors.size(), step = std::min(200, (kHeight - 90) / std::max(rows, 1));
   for (int r = 0; r < rows; ++r) {
     const int top = 74 + r * step, bottom = top + step - 56;
     fill(image, 24, top, 150, bottom, c.colors[r].a);
@@ -114,16 +114,16 @@ Image figure_of(const Comparison& c, const std::string& name_a, const std::strin
     const std::string names[] = {name_a, name_b};
     for (std::size_t k = 0; k < plot.series.size() && k < 2; ++k) plot.series[k].name = names[k];
     plot.width = 480;
-    plot.height = height;
+    plot.height = kHeight;
     panels.push_back(draw(plot));
   }
   if (panels.empty()) panels.push_back(draw(Plot{}));
   int width = 0;
   for (const Image& p : panels) width += p.width;
-  Image figure(width, height, 1, 1, Vec3f::Ones());
+  Image figure(width, kHeight, 1, 1, Vec3f::Ones());
   int left = 0;
   for (const Image& p : panels) {
-    for (int y = 0; y < std::min(height, p.height); ++y)
+    for (int y = 0; y < std::min(kHeight, p.height); ++y)
       for (int x = 0; x < p.width; ++x) figure.at(left + x, y) = p.at(x, y);
     left += p.width;
   }

@@ -24,7 +24,7 @@ std::vector<std::string> measures_of(const std::string& type) {
   return of_images;
 }
 
-CompareChoice choice_of(const Context& c, const std::string& type) {
+CompareOptions choice_of(const Context& c, const std::string& type) {
   std::vector<std::string> wanted = measures_of(type);
   if (c.keyword("measures").empty()) {
     const std::vector<std::string> possible = wanted;
@@ -36,7 +36,7 @@ CompareChoice choice_of(const Context& c, const std::string& type) {
             .parameter("measures");
   }
   auto has = [&](const char* m) { return std::find(wanted.begin(), wanted.end(), m) != wanted.end(); };
-  CompareChoice choice;
+  CompareOptions choice;
   choice.size_classes = has("size_classes");
   choice.area_fraction = has("area_fraction");
   choice.color = has("color");
@@ -73,7 +73,7 @@ Labels observed(const Context& c, Labels labels) {
   return labels;
 }
 
-Comparison compare_sections(Context& c, const CompareChoice& choice) {
+Comparison compare_sections(Context& c, const CompareOptions& choice) {
   Comparison out = compare::compare(c.input<Profiles>("a"), c.input<Profiles>("b"), choice);
   if (const auto* a = c.optional<Labels>("labels_a"))
     compare_phases(observed(c, *a), c.input<Labels>("labels_b"), choice, out, c.work());
@@ -92,7 +92,7 @@ void compute(Context& c) {
     throw Error("different-types",
                 fmt::format("labels are compared along with Profiles, but a has type {}", type),
                 "disconnect labels_a and labels_b");
-  CompareChoice choice = choice_of(c, type);
+  CompareOptions choice = choice_of(c, type);
   if (type == "Profiles" && !c.keyword("smallest").empty())
     choice.smallest = both_show(c.input<Profiles>("a"), c.input<Profiles>("b"));
   Comparison comparison;

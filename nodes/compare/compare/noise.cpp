@@ -12,10 +12,10 @@ void add_color(Comparison& out, const std::string& name, const Vec3f& linear_a, 
   const char* channels[3] = {"L", "a", "b"};
   for (int k = 0; k < 3; ++k)
     out.numbers.push_back({"color", name + " " + channels[k], "Oklab", 0, 0, lab_a[k], lab_b[k],
-                           std::max(visible_step, sigmas_95 * std::sqrt(variance[k]))});
+                           std::max(kVisibleStep, kSigmas95 * std::sqrt(variance[k]))});
   const double delta = (lab_b - lab_a).norm();
   out.numbers.push_back({"color", name + " ΔE", "Oklab", 0, 0, 0, delta,
-                         std::max(visible_step, sigmas_95 * std::sqrt(variance.sum()))});
+                         std::max(kVisibleStep, kSigmas95 * std::sqrt(variance.sum()))});
   out.colors.push_back({name, linear_a, linear_b, delta});
   out.metrics["color_difference_" + name] = delta;
 }

@@ -5,12 +5,12 @@
 
 namespace terrazzo::compare {
 
-constexpr double sigmas_95 = 1.959963984540054;
-constexpr double sigmas_90 = 1.6448536269514722;
-constexpr double visible_step = 0.02;  // just visible Oklab distance between adjacent colors (Ottosson 2020)
+constexpr double kSigmas95 = 1.959963984540054;
+constexpr double kSigmas90 = 1.6448536269514722;
+constexpr double kVisibleStep = 0.02;  // just visible Oklab distance between adjacent colors (Ottosson 2020)
 
 // Adds L, a, b of a color and the distance ΔE, with tolerances from the variances of b − a, at least
-// visible_step.
+// kVisibleStep.
 void add_color(Comparison&, const std::string& name, const Vec3f& linear_a, const Vec3f& linear_b,
                const Eigen::Vector3d& lab_a, const Eigen::Vector3d& lab_b, const Eigen::Vector3d& variance);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_observer {
@@ -40,7 +41,7 @@ Vec3f displayed(const Vec3f& linear) {
   }();
   const Vec3f encoded = linear_to_srgb(linear.cwiseMax(0.0f).cwiseMin(1.0f)) * 255.0f;
   Eigen::Vector3i code;
-  for (int k = 0; k < 3; ++k) code[k] = std::clamp(static_cast<int>(std::lround(encoded[k])), 0, 255);
+  for (int k = 0; k < 3; ++k) code[k] = std::clamp(round_nearest(encoded[k]), 0, 255);
   Vec3f lab = linear_to_oklab(Vec3f(decoded[code[0]], decoded[code[1]], decoded[code[2]]));
   if (code[0] == code[1] && code[1] == code[2]) lab[1] = lab[2] = 0;  // rounding leaves a trace of color
   return lab;
@@ -50,7 +51,7 @@ void read_pixels(const Image& image, int scale, int crop, CropCell& cell) {
   Patch& full = cell.levels[0];
   full.width = cell.columns * crop;
   full.height = cell.rows * crop;
-  full.lab.resize(static_cast<std::size_t>(full.width) * full.height);
+  full.lab.resize(pixels_in(full.width, full.height));
   const float share = 1.0f / (scale * scale);
   for (int y = 0; y < full.height; ++y)
     for (int x = 0; x < full.width; ++x) {
@@ -58,7 +59,7 @@ void read_pixels(const Image& image, int scale, int crop, CropCell& cell) {
       for (int v = 0; v < scale; ++v)
         for (int u = 0; u < scale; ++u)
           sum += image.at((cell.x + x) * scale + u, (cell.y + y) * scale + v, cell.section);
-      full.lab[static_cast<std::size_t>(y) * full.width + x] = displayed(sum * share);
+      full.lab[pixel_at(x, y, full.width)] = displayed(sum * share);
     }
   for (int level = 1; level < kLevels; ++level) {
     const Patch& fine = cell.levels[level - 1];
@@ -74,7 +75,7 @@ void read_pixels(const Image& image, int scale, int crop, CropCell& cell) {
 }
 
 // All cells of one half in random order.
-std::vector<CropCell> cells_of(int width, int height, int sections, bool right, const CropChoice& choice) {
+std::vector<CropCell> cells_of(int width, int height, int sections, bool right, const CropOptions& choice) {
   const int half = width / 2, columns = half / choice.crop, rows = height / choice.crop;
   // Few crops need cells of a single crop, so that a checkerboard has squares of both colors.
   const bool paired = (columns / 2) * (rows / 2) * static_cast<double>(sections) >= 4;
@@ -113,7 +114,7 @@ std::vector<CropCell> cells_of(int width, int height, int sections, bool right, 
 
 }  // namespace
 
-std::array<CropSet, 2> halves_of(const Image& image, const std::string& name, const CropChoice& choice,
+std::array<CropSet, 2> halves_of(const Image& image, const std::string& name, const CropOptions& choice,
                                  const Work& work) {
   check_pixels(image, name, work);
   const int width = image.width / choice.scale, height = image.height / choice.scale;
@@ -135,7 +136,7 @@ std::array<CropSet, 2> halves_of(const Image& image, const std::string& name, co
                       name, width, height, image.sections, choice.crop, choice.crop),
           "use a larger image, or lower crop or scale")
           .parameter("crop");
-    for (int c = 0; c < static_cast<int>(half.cells.size()); ++c)
+    for (int c = 0; c < count_of(half.cells); ++c)
       for (int y = 0; y + 2 <= 2 * half.cells[c].rows; ++y)
         for (int x = 0; x + 2 <= 2 * half.cells[c].columns; ++x)
           half.crops.push_back({c, x * choice.crop / 2, y * choice.crop / 2, x % 2 == 0 && y % 2 == 0});

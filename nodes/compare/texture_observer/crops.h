@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/data/indices.h"
 #include "runtime/work.h"
 
 namespace terrazzo::texture_observer {
@@ -14,7 +15,7 @@ constexpr int kLevels = 3;  // full, half and quarter resolution
 constexpr int kStrips = 4;  // parts of a half that are left out in turn to choose the regularization
 constexpr double kRoundingVariance = 2e-6;  // of Oklab components, by rounding to 8 bits; about
 
-struct CropChoice {
+struct CropOptions {
   int crop = 64;    // edge, pixels after reduction; a multiple of 8, at least 32
   int scale = 1;    // every scale × scale pixels are averaged to one
   int crops = 500;  // number per picture after which no more cells are judged
@@ -24,7 +25,7 @@ struct CropChoice {
 struct Patch {
   int width = 0, height = 0;
   std::vector<Vec3f> lab;  // Oklab, rows from the top
-  const Vec3f& at(int x, int y) const { return lab[static_cast<std::size_t>(y) * width + x]; }
+  const Vec3f& at(int x, int y) const { return lab[pixel_at(x, y, width)]; }
 };
 
 // A rectangle of whole crops, normally 2 × 2. Cells never overlap, and no crop extends beyond its cell.
@@ -52,6 +53,6 @@ struct CropSet {
 // neither. Colors are those of an 8-bit sRGB display: an observer must not see the difference between a
 // photograph's 256 values and a computed picture's many. Equal sizes and seeds give equal positions. Throws
 // Error "empty-image"; "bad-pixels"; "too-small" if a half of the picture `name` has fewer than two crops.
-std::array<CropSet, 2> halves_of(const Image&, const std::string& name, const CropChoice&, const Work&);
+std::array<CropSet, 2> halves_of(const Image&, const std::string& name, const CropOptions&, const Work&);
 
 }  // namespace terrazzo::texture_observer

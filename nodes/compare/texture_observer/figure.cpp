@@ -8,6 +8,7 @@
 #include "nodes/common/plot/drawing.h"
 #include "nodes/common/plot/plot.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::texture_observer {
 
@@ -76,7 +77,7 @@ Image gallery_of(const Verdict& v, const std::array<const Halves*, 2>& pictures,
                           rows[row].size() > 1 ? ", the most certain first" : ""),
               15, kInk);
     top += kCaption;
-    for (int k = 0; k < std::min(kShown, static_cast<int>(rows[row].size())); ++k) {
+    for (int k = 0; k < std::min(kShown, count_of(rows[row])); ++k) {
       const CropSet& set = (*pictures[of])[rows[row][k].half];
       paste(out, tile_of(set, set.crops[rows[row][k].crop]), kMargin + k * (kTile + kGap), top);
     }
@@ -86,7 +87,7 @@ Image gallery_of(const Verdict& v, const std::array<const Halves*, 2>& pictures,
 }
 
 void add_bar(PlotSeries& s, std::size_t x, const Accuracy& a) {
-  s.x.push_back(static_cast<double>(x)), s.y.push_back(100 * a.share);
+  s.x.push_back(x), s.y.push_back(100 * a.share);
   s.low.push_back(100 * (a.share - a.error)), s.high.push_back(100 * std::min(1.0, a.share + a.error));
 }
 

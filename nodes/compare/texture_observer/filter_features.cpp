@@ -28,7 +28,7 @@ Eigen::MatrixXf random_patches(const std::array<CropRows, 2>& classes, int level
   for (int j = 0; j < count; ++j) {
     const CropRows& from = classes[j % 2];
     Random random(seed, 811 + level, j / 2);
-    const auto row = static_cast<std::size_t>(random.uniform() * from.rows.size());
+    const std::size_t row = random.uniform() * from.rows.size();
     const Crop& crop = from.set->crops[from.rows[row]];
     const std::uint64_t places = (from.set->crop >> level) - kEdge + 1;
     const int x = (crop.x >> level) + static_cast<int>(random.below(places)),
@@ -97,7 +97,7 @@ FilterBank learn_filters(const std::array<CropRows, 2>& classes, std::uint64_t s
 }
 
 Eigen::MatrixXd filter_features(const CropSet& set, const FilterBank& bank, const Work& work) {
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(set.crops.size()), kLevels * kPerLevel);
+  Eigen::MatrixXd out(set.crops.size(), kLevels * kPerLevel);
   std::vector<std::size_t> first(set.cells.size() + 1, set.crops.size());
   for (std::size_t i = set.crops.size(); i-- > 0;) first[set.crops[i].cell] = i;
   work.parallel(set.cells.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -120,7 +120,7 @@ Eigen::MatrixXd filter_features(const CropSet& set, const FilterBank& bank, cons
           }
         }
         for (std::size_t i = 0; i < pools.size(); ++i)
-          out.row(static_cast<Eigen::Index>(first[c] + i)).segment(level * kPerLevel, kPerLevel) =
+          out.row(first[c] + i).segment(level * kPerLevel, kPerLevel) =
               pools[i].features(static_cast<double>(window) * window);
       }
   });

@@ -3,6 +3,8 @@
 #include <array>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::texture_observer {
 
 namespace {
@@ -60,7 +62,7 @@ std::vector<std::uint8_t> local_patterns(const Patch& patch, int radius) {
             light += n.weight[corner] * patch.at(x + n.x + corner % 2, y + n.y + corner / 2)[0];
         bits |= (light >= center) << k;
       }
-      out[static_cast<std::size_t>(y) * patch.width + x] = code[bits];
+      out[pixel_at(x, y, patch.width)] = code[bits];
     }
   return out;
 }

@@ -47,7 +47,7 @@ void warn(Context& c, const Verdict& v) {
 void compute(Context& c) {
   const Image &a = c.input<Image>("a"), &b = c.input<Image>("b");
   check_scales(a, b);
-  CropChoice choice;
+  CropOptions choice;
   choice.crop = c.integer("crop");
   choice.scale = c.integer("scale");
   choice.crops = c.integer("crops");

@@ -26,7 +26,7 @@ CropRows rows_of(const CropSet& set, CellColor color, bool judged) {
   for (std::size_t i = 0; i < set.crops.size(); ++i) {
     const bool odd = set.cells[set.crops[i].cell].odd;
     if ((color == CellColor::Any || odd == (color == CellColor::Odd)) && (!judged || set.crops[i].judged))
-      out.rows.push_back(static_cast<int>(i));
+      out.rows.push_back(i);
   }
   return out;
 }

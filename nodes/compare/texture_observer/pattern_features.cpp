@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/compare/texture_observer/local_patterns.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::texture_observer {
 
@@ -31,7 +32,7 @@ EdgeMap edges_of(const Patch& p, int step) {
     for (int x = step; x < p.width - step; ++x) {
       const float u = p.at(x + step, y)[0] - p.at(x - step, y)[0],
                   v = p.at(x, y + step)[0] - p.at(x, y - step)[0], strength = std::hypot(u, v);
-      const std::size_t i = static_cast<std::size_t>(y) * p.width + x;
+      const std::size_t i = pixel_at(x, y, p.width);
       out.strength[i] = strength;
       const float octave = std::log2(std::max(strength, 1e-6f) / 0.004f);
       out.bin[i] = static_cast<std::uint8_t>(std::clamp(std::floor(octave) + 1, 0.0f, kEdgeBins - 1.0f));
@@ -43,7 +44,7 @@ EdgeMap edges_of(const Patch& p, int step) {
 }
 
 double quantile_of(const std::vector<float>& sorted, double u) {
-  return sorted[std::lround(u * static_cast<double>(sorted.size() - 1))];
+  return sorted[std::lround(u * (sorted.size() - 1))];
 }
 
 // One crop within its cell, and the row of features that is being filled.
@@ -57,7 +58,7 @@ struct Reader {
   template <class F>
   void each(int margin, const F& f) const {
     for (int y = y0 + margin; y < y0 + crop - margin; ++y)
-      for (int x = x0 + margin; x < x0 + crop - margin; ++x) f(static_cast<std::size_t>(y) * patch.width + x);
+      for (int x = x0 + margin; x < x0 + crop - margin; ++x) f(pixel_at(x, y, patch.width));
   }
   // Mean square of second differences.
   double roughness(int channel, int step) const {
@@ -95,7 +96,7 @@ void put_color(Reader& r) {
     const Eigen::Vector3d c = r.patch.lab[i].cast<double>();
     mean += c;
     product += c * c.transpose();
-    chroma.push_back(static_cast<float>(std::hypot(c[1], c[2])));
+    chroma.push_back(std::hypot(c[1], c[2]));
   });
   const double n = chroma.size();
   mean /= n;
@@ -136,7 +137,7 @@ const std::vector<FeatureGroup>& pattern_groups() {
 
 Eigen::MatrixXd pattern_features(const CropSet& set, const Work& work) {
   const int width = pattern_groups().back().first + pattern_groups().back().count;
-  Eigen::MatrixXd out(static_cast<Eigen::Index>(set.crops.size()), width);
+  Eigen::MatrixXd out(set.crops.size(), width);
   std::vector<std::size_t> first(set.cells.size() + 1, set.crops.size());
   for (std::size_t i = set.crops.size(); i-- > 0;) first[set.crops[i].cell] = i;
   work.parallel(set.cells.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -158,7 +159,7 @@ Eigen::MatrixXd pattern_features(const CropSet& set, const Work& work) {
           for (int channel : {1, 2}) r.put(std::log(r.roughness(channel, step) + kRoundingVariance));
         for (std::size_t k = 0; k < kRadii.size(); ++k)
           put_histogram(r, kLocalPatterns, kRadii[k], patterns[k]);
-        out.row(static_cast<Eigen::Index>(i)) = r.row;
+        out.row(i) = r.row;
       }
     }
   });

@@ -37,7 +37,7 @@ double error_without(const Spectrum& a, const Eigen::VectorXd& y, const std::vec
   for (int block = 0; block <= *std::max_element(strip.begin(), strip.end()); ++block) {
     std::vector<Eigen::Index> rows;
     for (std::size_t i = 0; i < strip.size(); ++i)
-      if (strip[i] == block) rows.push_back(static_cast<Eigen::Index>(i));
+      if (strip[i] == block) rows.push_back(i);
     if (rows.empty()) continue;
     const Eigen::MatrixXd u = a.u(rows, Eigen::all);
     Eigen::MatrixXd rest = -u * shrink.matrix().asDiagonal() * u.transpose();

@@ -7,7 +7,7 @@
 
 namespace terrazzo::cooccurrence_solid {
 
-SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldSettings& s,
+SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldOptions& s,
                                   const Work& work) {
   const int reach = s.extent << (s.scales - 1);
   if (s.size.minCoeff() <= reach)
@@ -55,7 +55,7 @@ SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, c
     }
     return out;
   };
-  DescentSettings descent;
+  DescentOptions descent;
   descent.levels = levels;
   descent.reach = reach;
   descent.sweeps = s.sweeps;

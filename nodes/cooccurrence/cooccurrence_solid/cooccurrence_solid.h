@@ -14,7 +14,7 @@
 
 namespace terrazzo::cooccurrence_solid {
 
-struct SolidFieldSettings {
+struct SolidFieldOptions {
   int levels = 8, extent = 2, scales = 1, sweeps = 10;
   Vec3i size = Vec3i::Constant(64);  // voxels
   ColorSpace space = ColorSpace::Oklab;
@@ -33,7 +33,7 @@ struct SolidFieldResult {
 // `pictures` are those for slices across x, y and z. On x and y a picture's columns run along y and x and its
 // rows upwards along z; on z they run along x and y. Throws Error "too-small", "no-pixels", "one-color",
 // "bad-pixels".
-SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldSettings&,
+SolidFieldResult synthesize_solid(const std::array<const Image*, 3>& pictures, const SolidFieldOptions&,
                                   const Work& = {});
 
 }  // namespace terrazzo::cooccurrence_solid

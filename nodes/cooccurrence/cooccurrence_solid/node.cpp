@@ -24,7 +24,7 @@ void compute(Context& c) {
   std::array<const Image*, 3> pictures = {&image, &image, &image};
   if (const auto* y = c.optional<Image>("image_y")) pictures[1] = y;
   if (const auto* z = c.optional<Image>("image_z")) pictures[2] = z;
-  SolidFieldSettings s;
+  SolidFieldOptions s;
   s.levels = c.integer("levels");
   s.extent = c.integer("extent");
   s.scales = c.integer("scales");

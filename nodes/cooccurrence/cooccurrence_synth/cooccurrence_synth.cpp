@@ -8,7 +8,7 @@
 
 namespace terrazzo::cooccurrence_synth {
 
-SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthSettings& s,
+SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthOptions& s,
                        const Work& work) {
   if (source.pixels.empty()) throw Error("no-pixels", "the picture has no pixels");
   const int reach = s.extent << (s.scales - 1);
@@ -48,7 +48,7 @@ SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mas
   };
   std::vector<const LevelField*> all;
   for (const auto& f : sections) all.push_back(&f);
-  DescentSettings descent;
+  DescentOptions descent;
   descent.levels = levels;
   descent.reach = reach;
   descent.sweeps = s.sweeps;

@@ -19,7 +19,7 @@ enum class Finish {
   Patches  // the source's own colors (patches.h)
 };
 
-struct SynthSettings {
+struct SynthOptions {
   int levels = 8;
   int extent = 2;             // pixels: offsets up to ± this in x and y
   int scales = 1;             // number of scales of the offsets: times 1, 2, 4, …
@@ -45,7 +45,7 @@ struct SynthResult {
 // `mask` selects the source pixels to use, one entry each; empty: all. Throws Error "too-small" if the source
 // or the output is no larger than the reach of the offsets, "no-pairs", "one-color", "no-pixels",
 // "bad-pixels".
-SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthSettings&,
+SynthResult synthesize(const Image& source, const std::vector<std::uint8_t>& mask, const SynthOptions&,
                        const Work& = {});
 
 // A field, or the first section of a source, in its levels' colors.

@@ -4,6 +4,7 @@
 #include "nodes/common/plot/plot.h"
 #include "nodes/common/texture/texture_measures.h"
 #include "nodes/cooccurrence/cooccurrence_synth/cooccurrence_synth.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/table.h"
 #include "runtime/context.h"
 
@@ -23,7 +24,7 @@ Image figure_of(const SynthResult& r) {
     if (s.sweep == 0)
       for (Plot* p : {&error, &changed}) {
         PlotSeries& series = p->series.emplace_back();
-        series.color = static_cast<int>(p->series.size()) - 1;
+        series.color = count_of(p->series) - 1;
         if (r.sweeps.front().stride > 1)
           series.name = s.stride > 1 ? fmt::format("one of {} pixels", s.stride) : "every pixel";
       }
@@ -41,7 +42,7 @@ Image figure_of(const SynthResult& r) {
 
 void compute(Context& c) {
   const Image& source = c.input<Image>("image");
-  SynthSettings s;
+  SynthOptions s;
   s.levels = c.integer("levels");
   s.extent = c.integer("extent");
   s.scales = c.integer("scales");

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::load_strokes {
 namespace {
@@ -50,9 +51,7 @@ class Scanner {
 };
 
 // At least 1 and at most `most`, even if huge coordinates make `wanted` infinite or NaN.
-int steps(double wanted, int most) {
-  return wanted > 1 ? static_cast<int>(std::ceil(std::min<double>(wanted, most))) : 1;
-}
+int steps(double wanted, int most) { return wanted > 1 ? round_up(std::min<double>(wanted, most)) : 1; }
 
 void cubic(std::vector<Vec2>& out, const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d,
            double tolerance) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "nodes/common/geometry/rank.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_nib {
@@ -75,7 +76,7 @@ void prepare(SourceLevel& s) {
       bool whole = true;
       for (int v = -kReach; v <= kReach && whole; ++v)
         for (int u = -kReach; u <= kReach && whole; ++u) whole = s.inside[(y + v) * w + x + u] != 0;
-      if (whole) s.centers.push_back(static_cast<std::uint32_t>(y * w + x));
+      if (whole) s.centers.push_back(y * w + x);
     }
   s.usable.assign(s.color.size(), 0);
   for (const auto c : s.centers) s.usable[c] = 1;
@@ -100,7 +101,7 @@ HolePicture halved(const HolePicture& in) {
       int known = 0, hole = 0, all = 0;
       for (int v = 2 * y; v < std::min(2 * y + 2, in.height); ++v)
         for (int u = 2 * x; u < std::min(2 * x + 2, in.width); ++u, ++all) {
-          const std::size_t i = static_cast<std::size_t>(v) * in.width + u;
+          const std::size_t i = pixel_at(u, v, in.width);
           known += in.state[i] == HoleState::Known;
           hole += in.state[i] == HoleState::Hole;
           sum += in.color[i];
@@ -118,8 +119,7 @@ std::vector<int> depth_of(const HolePicture& t) {
   const auto beside = [&](std::size_t i, auto&& visit) {
     const int x = static_cast<int>(i) % t.width, y = static_cast<int>(i) / t.width;
     for (int v = std::max(0, y - 1); v <= std::min(t.height - 1, y + 1); ++v)
-      for (int u = std::max(0, x - 1); u <= std::min(t.width - 1, x + 1); ++u)
-        visit(static_cast<std::size_t>(v) * t.width + u);
+      for (int u = std::max(0, x - 1); u <= std::min(t.width - 1, x + 1); ++u) visit(pixel_at(u, v, t.width));
   };
   for (std::size_t i = 0; i < t.state.size(); ++i) {
     if (t.state[i] != HoleState::Hole) continue;
@@ -280,7 +280,7 @@ class Filler {
   void check(std::size_t k) const {
     if (k % 256 == 0) work_.check();
   }
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * t_.width + x; }
+  std::size_t at(int x, int y) const { return pixel_at(x, y, t_.width); }
   std::int32_t random_center(std::size_t p, int round) const {
     Random r(seed_, stream_ + round, p);
     return s_.centers[r.below(s_.centers.size())];

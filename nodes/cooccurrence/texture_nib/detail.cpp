@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "nodes/cooccurrence/texture_nib/nib.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_nib {
@@ -36,7 +37,7 @@ void Nib::complete_patches(const std::vector<std::uint32_t>& footprint, const Wo
     }
   const auto within = [&](std::uint32_t p) {
     const int x = static_cast<int>(p) % picture_.width - x0, y = static_cast<int>(p) / picture_.width - y0;
-    return static_cast<std::size_t>(y) * part.width + x;
+    return pixel_at(x, y, part.width);
   };
   for (const auto p : footprint) part.state[within(p)] = HoleState::Hole;
   const auto found = complete(*source_pyramid_, part, dab_settings_.seed, dabs_, work);
@@ -47,12 +48,12 @@ void Nib::complete_patches(const std::vector<std::uint32_t>& footprint, const Wo
 }
 
 void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& work) {
-  constexpr int reach = 2, rounds = 4, random_tries = 6;
+  constexpr int kReach = 2, kRounds = 4, kRandomTries = 6;
   const int w = picture_.width, h = picture_.height;
   const auto mismatch = [&](int x, int y, int sx, int sy, float limit) {
     float sum = 0;
-    for (int v = -reach; v <= reach; ++v) {
-      for (int u = -reach; u <= reach; ++u) {
+    for (int v = -kReach; v <= kReach; ++v) {
+      for (int u = -kReach; u <= kReach; ++u) {
         const int px = x + u, py = y + v, qx = sx + u, qy = sy + v;
         if (px < 0 || py < 0 || px >= w || py >= h || (u == 0 && v == 0)) continue;
         const std::size_t p = picture_.index(px, py);
@@ -67,7 +68,7 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
     }
     return sum;
   };
-  for (int round = 0; round < rounds; ++round)
+  for (int round = 0; round < kRounds; ++round)
     for (std::size_t k = 0; k < footprint.size(); ++k) {
       if (k % 256 == 0) work.check();
       const std::uint32_t p = footprint[round % 2 == 0 ? k : footprint.size() - 1 - k];
@@ -98,7 +99,7 @@ void Nib::find_colors(const std::vector<std::uint32_t>& footprint, const Work& w
         }
       const auto& same = texture_.pixels_of[level];
       Random random(dab_settings_.seed, 0x91b2 + static_cast<std::uint64_t>(round), (dabs_ << 32) + p);
-      for (int r = 0; r < random_tries; ++r)
+      for (int r = 0; r < kRandomTries; ++r)
         try_source(static_cast<std::int32_t>(same[random.below(same.size())]));
       source_[p] = best;
       position_[p] = texture_.positions[best];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/footprint.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::texture_nib {
@@ -15,7 +16,7 @@ constexpr int kLanes = 8;
 
 }  // namespace
 
-Nib::Nib(Image picture, NibTexture texture, DabSettings dab_settings)
+Nib::Nib(Image picture, NibTexture texture, DabOptions dab_settings)
     : picture_(std::move(picture)), texture_(std::move(texture)), dab_settings_(dab_settings) {
   const int levels = texture_.levels.count();
   for (const auto& o : texture_.offsets) pad_ = std::max(pad_, o.cwiseAbs().maxCoeff());
@@ -23,7 +24,7 @@ Nib::Nib(Image picture, NibTexture texture, DabSettings dab_settings)
   const auto padded = static_cast<std::size_t>(stride_) * (picture_.height + 2 * pad_);
   level_.assign(padded, static_cast<std::uint8_t>(levels));
   painted_.assign(padded, 0);
-  const auto n = static_cast<std::size_t>(picture_.width) * picture_.height;
+  const auto n = pixels_in(picture_.width, picture_.height);
   occupied_.assign(n, 0), base_.assign(n, kNoLevel), source_.assign(n, -1);
   position_ = texture_.positions;
   std::vector<std::uint8_t> inside(n);
@@ -91,12 +92,12 @@ void Nib::clear(std::uint32_t pixel) {
 // from the goal, and 2 / K² more where both are the same entry.
 template <int Vectors>
 int Nib::best_level(std::uint32_t pixel) const {
-  constexpr int width = Vectors * kLanes;
+  constexpr int kWidth = Vectors * kLanes;
   const int levels = texture_.levels.count();
-  const auto rows = static_cast<std::size_t>(levels + 1) * width;
+  const auto rows = static_cast<std::size_t>(levels + 1) * kWidth;
   const std::uint8_t* at = &level_[(pixel / picture_.width + pad_) * stride_ + pixel % picture_.width + pad_];
   EightF cost[Vectors] = {};
-  float both[width + 1] = {};
+  float both[kWidth + 1] = {};
   bool known = false;
   for (std::size_t d = 0; d < step_.size(); ++d) {
     const int after = at[step_[d]], before = at[-step_[d]];
@@ -104,8 +105,8 @@ int Nib::best_level(std::uint32_t pixel) const {
     if (ends == 0) continue;
     known = true;
     const float k = 1.0f / (pairs_[d] + ends);
-    const std::size_t a = d * rows + static_cast<std::size_t>(after) * width,
-                      b = d * rows + static_cast<std::size_t>(before) * width;
+    const std::size_t a = d * rows + static_cast<std::size_t>(after) * kWidth,
+                      b = d * rows + static_cast<std::size_t>(before) * kWidth;
     const auto *counts_a = reinterpret_cast<const Eight*>(&by_remote_[a]),
                *counts_b = reinterpret_cast<const Eight*>(&by_home_[b]);
     const auto *wanted_a = reinterpret_cast<const EightF*>(&texture_.by_remote[a]),
@@ -223,8 +224,7 @@ std::vector<std::int32_t> Nib::counts() const {
   std::vector<std::int32_t> out;
   for (std::size_t d = 0; d < step_.size(); ++d)
     for (int h = 0; h < levels; ++h)
-      for (int r = 0; r < levels; ++r)
-        out.push_back(by_home_[(d * static_cast<std::size_t>(levels + 1) + h) * texture_.width + r]);
+      for (int r = 0; r < levels; ++r) out.push_back(by_home_[(d * (levels + 1) + h) * texture_.width + r]);
   return out;
 }
 
@@ -252,7 +252,7 @@ double Nib::error() const {
     if (pairs_[d] == 0) continue;
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const std::size_t i = (d * static_cast<std::size_t>(levels + 1) + h) * texture_.width + r;
+        const std::size_t i = (d * (levels + 1) + h) * texture_.width + r;
         const double e = static_cast<double>(by_home_[i]) / pairs_[d] - texture_.by_home[i];
         sum += e * e;
       }

@@ -26,7 +26,7 @@ enum class Finish { Levels, Colors, Patches };
 enum class Pairs { Touching, Painted };
 
 // Settings for painting a dab.
-struct DabSettings {
+struct DabOptions {
   int passes = 4;  // visits per pixel; every pixel is visited once before any is visited again
   Finish finish = Finish::Patches;
   Pairs pairs = Pairs::Touching;
@@ -41,7 +41,7 @@ struct Rectangle {
 class Nib {
  public:
   // Paints on the picture's first section. Results depend only on these arguments and on the strokes.
-  Nib(Image picture, NibTexture, DabSettings);
+  Nib(Image picture, NibTexture, DabOptions);
 
   // Paints a whole stroke: one dab per segment of its line, or one dab for an area. Painting point by point,
   // with begin_stroke and extend_stroke, has the same result. Returns the changed rectangle. Throws Error
@@ -85,7 +85,7 @@ class Nib {
 
   Image picture_;
   NibTexture texture_;
-  DabSettings dab_settings_;
+  DabOptions dab_settings_;
   // B_r and O with a border of `pad_` pixels on all sides that have no level and are not painted. With
   // Pairs::Painted, unpainted pixels have no level here, so that no pair counts them.
   int pad_ = 0, stride_ = 0;

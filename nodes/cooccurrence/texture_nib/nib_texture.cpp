@@ -10,7 +10,7 @@
 
 namespace terrazzo::texture_nib {
 
-NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, const NibSettings& s,
+NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, const NibOptions& s,
                  const Work& work) {
   NibTexture t;
   std::vector<Vec3f> colors;
@@ -25,7 +25,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
   t.positions.resize(region.size(), Vec3f::Zero());
   t.level.assign(region.size(), kNoLevel);
   t.pixels_of.resize(levels);
-  t.histogram.assign(static_cast<std::size_t>(levels), 0);
+  t.histogram.assign(levels, 0);
   std::vector<float> distances;
   for (std::size_t i = 0; i < region.size(); ++i) {
     if (i % 4096 == 0) work.check();
@@ -36,13 +36,13 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
     float d = 0;
     const int k = t.levels.nearest(t.positions[i], &d);
     t.level[i] = k;
-    t.pixels_of[k].push_back(static_cast<std::uint32_t>(i));
+    t.pixels_of[k].push_back(i);
     t.histogram[k] += 1.0 / colors.size();
     distances.push_back(std::sqrt(d));
   }
   for (int k = 1; k < levels; ++k) t.histogram[k] += t.histogram[k - 1];
   // Exclude the region's own outliers.
-  const auto far = static_cast<std::size_t>((distances.size() - 1) * 0.99);
+  const std::size_t far = (distances.size() - 1) * 0.99;
   t.threshold = s.threshold >= 0 ? s.threshold : 1.25 * at_rank(distances, far);
 
   LevelField field(Vec3i(picture.width, picture.height, 1));
@@ -62,7 +62,7 @@ NibTexture learn(const Image& picture, const std::vector<std::uint8_t>& region, 
           .parameter("region");
     for (int h = 0; h < levels; ++h)
       for (int r = 0; r < levels; ++r) {
-        const float p = static_cast<double>(c.counts[c.at(d, h, r)]) / static_cast<double>(c.pairs[d]);
+        const float p = static_cast<double>(c.counts[c.at(d, h, r)]) / c.pairs[d];
         t.by_home[d * rows + static_cast<std::size_t>(h) * t.width + r] = p;
         t.by_remote[d * rows + static_cast<std::size_t>(r) * t.width + h] = p;
       }

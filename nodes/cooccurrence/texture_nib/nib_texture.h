@@ -11,7 +11,7 @@
 
 namespace terrazzo::texture_nib {
 
-struct NibSettings {
+struct NibOptions {
   int levels = 8;
   int extent = 3;  // pixels: the kernel is (2·extent + 1)²
   int scales = 1;  // number of scales of the offsets: times 1, 2, 4, …
@@ -38,6 +38,6 @@ struct NibTexture {
 
 // `region` has one entry per pixel of the picture's first section. Throws Error "no-pixels", "too-small" if
 // the region has no pair of pixels at some offset, "one-color", "bad-pixels".
-NibTexture learn(const Image&, const std::vector<std::uint8_t>& region, const NibSettings&, const Work& = {});
+NibTexture learn(const Image&, const std::vector<std::uint8_t>& region, const NibOptions&, const Work& = {});
 
 }  // namespace terrazzo::texture_nib

@@ -43,14 +43,14 @@ void compute(Context& c) {
   std::vector<std::uint8_t> fill;
   if (c.has("fill")) fill = mask_of(c.value("fill"), picture, "fill");
 
-  NibSettings s;
+  NibOptions s;
   s.levels = c.integer("levels");
   s.extent = c.integer("extent");
   s.scales = c.integer("scales");
   s.space = c.choice<ColorSpace>("space");
   s.seed = c.seed();
   if (const auto v = c.optional_number("threshold")) s.threshold = *v;
-  DabSettings dab_settings;
+  DabOptions dab_settings;
   dab_settings.passes = c.integer("passes");
   dab_settings.seed = s.seed;
   dab_settings.finish = c.choice<Finish>("finish");

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/footprint.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::texture_nib {
 std::vector<std::uint8_t> region_mask(const std::vector<double>& v, int width, int height) {
@@ -30,13 +31,13 @@ std::vector<std::uint8_t> region_mask(const std::vector<double>& v, int width, i
                               c.y(), width, height),
                   "draw the region inside the picture")
           .parameter("region");
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(width) * height, 0);
+  std::vector<std::uint8_t> out(pixels_in(width, height), 0);
   for (const auto p : surrounded(width, height, {corners})) out[p] = 1;
   return out;
 }
 
 std::vector<std::uint8_t> region_around(const Strokes& strokes, int width, int height, int margin) {
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(width) * height, 1);
+  std::vector<std::uint8_t> out(pixels_in(width, height), 1);
   for (const auto& s : strokes.strokes)
     for (const auto p : footprint_of(s, width, height, margin)) out[p] = 0;
   return out;
@@ -59,7 +60,7 @@ void check_on_picture(const Stroke& s, std::size_t number, int width, int height
 std::vector<std::uint32_t> pixels_of(const std::vector<std::uint8_t>& mask) {
   std::vector<std::uint32_t> out;
   for (std::size_t i = 0; i < mask.size(); ++i)
-    if (mask[i]) out.push_back(static_cast<std::uint32_t>(i));
+    if (mask[i]) out.push_back(i);
   return out;
 }
 

@@ -30,7 +30,7 @@ Particles particles_of(const openvdb::Int32Grid& id, const openvdb::Vec3SGrid& c
   for (auto it = id.cbeginValueOn(); it; ++it) last = std::max(last, *it);
   if (last > 10'000'000)
     throw Error("no-id", fmt::format("the grid id has the index {}, which is too large", last));
-  std::vector<Seen> seen(static_cast<std::size_t>(last) + 1);
+  std::vector<Seen> seen(last + 1);
   auto ids = id.getConstAccessor();
   auto colors = color.getConstAccessor();
   const Vec3 turn = 2 * std::numbers::pi * size.cast<double>().cwiseInverse();

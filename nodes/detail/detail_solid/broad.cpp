@@ -10,6 +10,7 @@
 #include "nodes/common/geometry/mesh/principal_axes.h"
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/geometry/rank.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::detail_solid {
@@ -50,7 +51,7 @@ void blur_label(const Phases& p, const Labels& labels, int section, std::int32_t
 
 void blur_labels(const Phases& phases, const Labels& labels, double sigma, const std::vector<Vec3f>& value,
                  const auto& counts, std::vector<Vec3f>& broad, const Work& work) {
-  std::vector<Extent> extents(static_cast<std::size_t>(labels.count()));
+  std::vector<Extent> extents(labels.count());
   for (int s = 0; s < phases.sections; ++s) {
     work.check();
     std::fill(extents.begin(), extents.end(), Extent());
@@ -58,7 +59,7 @@ void blur_labels(const Phases& phases, const Labels& labels, double sigma, const
       for (int x = 0; x < phases.width; ++x) {
         const std::int32_t id = labels.ids[labels.index(x, y, s)];
         if (id <= 0) continue;
-        Extent& e = extents[static_cast<std::size_t>(id) - 1];
+        Extent& e = extents[id - 1];
         e.x0 = std::min(e.x0, x);
         e.x1 = std::max(e.x1, x);
         e.y0 = std::min(e.y0, y);
@@ -95,7 +96,7 @@ std::vector<float> weights_around_edge() {
   std::vector<float> weight;
   for (int dy = -kAroundEdge; dy <= kAroundEdge; ++dy)
     for (int dx = -kAroundEdge; dx <= kAroundEdge; ++dx)
-      weight.push_back(static_cast<float>(std::exp(-0.5 * (dx * dx + dy * dy) / (kBroad * kBroad))));
+      weight.push_back(std::exp(-0.5 * (dx * dx + dy * dy) / (kBroad * kBroad)));
   return weight;
 }
 
@@ -108,15 +109,15 @@ struct EdgeZone {
 EdgeZone zone_at(const Phases& p, const Labels& labels, const std::vector<Vec3f>& soft,
                  const std::vector<float>& weight, const Vec3f& deviation, std::size_t row, int x) {
   constexpr float kRange = 2;  // of the phase's deviations, within one zone
-  const int y = row % static_cast<std::size_t>(p.height);
-  const std::size_t plane = row / p.height * p.plane(), i = plane + static_cast<std::size_t>(y) * p.width + x;
+  const int y = row % p.height;
+  const std::size_t plane = row / p.height * p.plane(), i = plane + pixel_at(x, y, p.width);
   EdgeZone zone{soft[i]};
   for (int round = 0; round < 3; ++round) {
     Vec3f sum = Vec3f::Zero();
     float total = 0, near = 0;
     for (int v = std::max(0, y - kAroundEdge); v <= std::min(p.height - 1, y + kAroundEdge); ++v)
       for (int u = std::max(0, x - kAroundEdge); u <= std::min(p.width - 1, x + kAroundEdge); ++u) {
-        const std::size_t j = plane + static_cast<std::size_t>(v) * p.width + u;
+        const std::size_t j = plane + pixel_at(u, v, p.width);
         if (p.phase[j] < 0 || labels.ids[j] != labels.ids[i]) continue;
         const float w = weight[static_cast<std::size_t>(v - y + kAroundEdge) * (2 * kAroundEdge + 1) +
                                (u - x + kAroundEdge)];
@@ -184,8 +185,8 @@ void keep_edges(Phases& p, const Labels& labels, const std::vector<Vec3f>& devia
 }
 
 void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
-  const int reach = std::min(static_cast<int>(std::ceil(3 * sigma)), 4 * n);
-  std::vector<float> kernel(static_cast<std::size_t>(n), 0.0f);  // wrapped around the tile
+  const int reach = std::min(round_up(3 * sigma), 4 * n);
+  std::vector<float> kernel(n, 0.0f);  // wrapped around the tile
   for (int t = -reach; t <= reach; ++t)
     kernel[wrap_index(t, n)] += static_cast<float>(std::exp(-0.5 * t * t / (sigma * sigma)));
   double squares = 0;
@@ -195,7 +196,7 @@ void smooth(std::vector<float>& v, int n, double sigma, const Work& work) {
   for (int a = 0; a < 3; ++a) {
     const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
     work.quiet().parallel(n, 2, [&](std::size_t begin, std::size_t end) {
-      std::vector<float> line(static_cast<std::size_t>(2 * n)), out(static_cast<std::size_t>(n));
+      std::vector<float> line(2 * n), out(static_cast<std::size_t>(n));
       for (std::size_t j = begin; j < end; ++j)
         for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
           float* first = &v[j * step[c] + i * step[b]];
@@ -280,25 +281,24 @@ BroadModel fit_broad(const std::vector<Vec3f>& broad, const Phases& p, const Lab
     const std::size_t i = used[random.below(used.size())];
     const double r = random.uniform(0, kReach), angle = random.uniform(0, 2 * M_PI);
     const int in = i % p.plane();
-    const int x = in % p.width + static_cast<int>(std::lround(r * std::cos(angle))),
-              y = in / p.width + static_cast<int>(std::lround(r * std::sin(angle)));
+    const int x = in % p.width + round_nearest(r * std::cos(angle)),
+              y = in / p.width + round_nearest(r * std::sin(angle));
     if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
-    const std::size_t j = i - static_cast<std::size_t>(in) + static_cast<std::size_t>(y) * p.width + x;
+    const std::size_t j = i - static_cast<std::size_t>(in) + pixel_at(x, y, p.width);
     if (p.phase[j] != phase || labels.ids[j] != labels.ids[i]) continue;
     const Vec3 a = model.axes.transpose() * (broad[i].cast<double>() - mean),
                b = model.axes.transpose() * (broad[j].cast<double>() - mean);
-    const auto bin = static_cast<std::size_t>(r);
+    const std::size_t bin = r;
     sum[bin] += a.cwiseProduct(b);
     ++count[bin];
   }
   // Pairs far apart are few in small particles; each distance weighs by its number of pairs.
-  Eigen::MatrixXd A(kReach, static_cast<Eigen::Index>(kSigmas.size()));
+  Eigen::MatrixXd A(kReach, kSigmas.size());
   Eigen::MatrixXd b(kReach, 3);
   for (int r = 0; r < kReach; ++r) {
     const double weight = std::sqrt(count[r]);
     for (std::size_t k = 0; k < kSigmas.size(); ++k)
-      A(r, static_cast<Eigen::Index>(k)) =
-          weight * std::exp(-(r + 0.5) * (r + 0.5) / (4 * kSigmas[k] * kSigmas[k]));
+      A(r, k) = weight * std::exp(-(r + 0.5) * (r + 0.5) / (4 * kSigmas[k] * kSigmas[k]));
     b.row(r) = (sum[r] / std::max(count[r], 1.0) * weight).transpose();
   }
   for (int c = 0; c < 3; ++c) {
@@ -317,8 +317,7 @@ std::vector<Vec3f> broad_field(const BroadModel& model, int size, std::uint64_t 
       work.check();
       std::vector<float> noise(out.size());
       work.quiet().parallel(noise.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          noise[i] = Random(seed, 0x100 + k * 3 + static_cast<std::size_t>(c), i).normal();
+        for (std::size_t i = begin; i < end; ++i) noise[i] = Random(seed, 0x100 + k * 3 + c, i).normal();
       });
       smooth(noise, size, model.sigma[k], work);
       double mean = 0;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::detail_solid {
@@ -57,12 +58,12 @@ class Level {
       if (source_.known[i]) known.push_back(i);
     for (std::size_t i = 0; i < picture_.size(); ++i)
       if (!source_.known[i]) picture_[i] = source_.value[known[Random(seed_, 1, i).below(known.size())]];
-    match_.assign(static_cast<std::size_t>(columns_) * rows_, 0);
+    match_.assign(pixels_in(columns_, rows_), 0);
     for (const std::int32_t t : targets_) match_[t] = random_source(2, t);
   }
   // Starts from the matches of the level with half as many pixels.
   void start_from(const Level& coarse) {
-    match_.assign(static_cast<std::size_t>(columns_) * rows_, 0);
+    match_.assign(pixels_in(columns_, rows_), 0);
     for (const std::int32_t t : targets_) {
       const int x = std::min(t % columns_ / 2, coarse.columns_ - 1),
                 y = std::min(t / columns_ / 2, coarse.rows_ - 1);
@@ -91,12 +92,12 @@ class Level {
   // Source patches are known at least in part: entirely, if there are enough such patches.
   void choose_sources() {
     const int w = source_.width;
-    std::vector<int> count(static_cast<std::size_t>(columns_) * rows_, 0);
-    std::vector<int> column(static_cast<std::size_t>(w), 0);
+    std::vector<int> count(pixels_in(columns_, rows_), 0);
+    std::vector<int> column(w, 0);
     for (int y = 0; y < source_.height; ++y) {
       for (int x = 0; x < w; ++x) {
-        column[x] += source_.known[static_cast<std::size_t>(y) * w + x];
-        if (y >= kPatch) column[x] -= source_.known[static_cast<std::size_t>(y - kPatch) * w + x];
+        column[x] += source_.known[pixel_at(x, y, w)];
+        if (y >= kPatch) column[x] -= source_.known[pixel_at(x, y - kPatch, w)];
       }
       if (y < kPatch - 1) continue;
       for (int x = 0; x < columns_; ++x)
@@ -106,9 +107,9 @@ class Level {
     is_source_.assign(count.size(), 0);
     for (const double share : {1.0, 0.9, 0.75, 0.5, 0.3, 0.01}) {
       sources_.clear();
-      const int least = std::max(1, static_cast<int>(share * kPatch * kPatch));
+      const int least = std::max<int>(1, share * kPatch * kPatch);
       for (std::size_t i = 0; i < count.size(); ++i)
-        if (count[i] >= least) sources_.push_back(static_cast<std::int32_t>(i));
+        if (count[i] >= least) sources_.push_back(i);
       if (sources_.size() >= kEnough) break;
     }
     for (const std::int32_t s : sources_) is_source_[s] = 1;
@@ -117,7 +118,7 @@ class Level {
   }
   void choose_targets() {
     for (std::size_t i = 0; i < whole_.size(); ++i)
-      if (!whole_[i]) targets_.push_back(static_cast<std::int32_t>(i));
+      if (!whole_[i]) targets_.push_back(i);
   }
 
   // Mean squared difference where the source is known. Known pixels of the target weigh four times as much.
@@ -128,8 +129,7 @@ class Level {
     float sum = 0, weight = 0;
     for (int y = 0; y < kPatch; ++y) {
       for (int x = 0; x < kPatch; ++x) {
-        const std::size_t t = t0 + static_cast<std::size_t>(y) * w + x,
-                          s = s0 + static_cast<std::size_t>(y) * w + x;
+        const std::size_t t = t0 + pixel_at(x, y, w), s = s0 + pixel_at(x, y, w);
         if (!source_.known[s]) continue;
         const float k = source_.known[t] ? 4.0f : 1.0f;
         sum += k * (picture_[t] - source_.value[s]).squaredNorm();
@@ -202,8 +202,7 @@ class Level {
                         s0 = static_cast<std::size_t>(m / columns_) * w + m % columns_;
       for (int y = 0; y < kPatch; ++y)
         for (int x = 0; x < kPatch; ++x) {
-          const std::size_t a = t0 + static_cast<std::size_t>(y) * w + x,
-                            b = s0 + static_cast<std::size_t>(y) * w + x;
+          const std::size_t a = t0 + pixel_at(x, y, w), b = s0 + pixel_at(x, y, w);
           if (source_.known[a] || !source_.known[b]) continue;
           if (!best) {
             sum[a] += k * source_.value[b];

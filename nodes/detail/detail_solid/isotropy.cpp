@@ -68,7 +68,7 @@ struct Spectrum {
           weight[k] = w;
         }
         const float at = distance / static_cast<float>(kShell);
-        const auto low = std::min(static_cast<std::size_t>(at), shells - 2);
+        const auto low = std::min<std::size_t>(at, shells - 2);
         use((z * n + y) * n + x, low, at - low, weight);
       }
   }

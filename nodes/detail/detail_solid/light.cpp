@@ -81,7 +81,7 @@ void split_tilts(Phases& p, const Labels& labels, Detail& detail) {
     const std::size_t in = i % p.plane(), w = p.width;
     return Vec2(static_cast<double>(in % w), -static_cast<double>(in / w));
   };
-  std::vector<PlaneFit> fits(static_cast<std::size_t>(labels.count()));
+  std::vector<PlaneFit> fits(labels.count());
   std::vector<int> group(fits.size(), 0);
   const auto each = [&](auto&& use) {
     for (std::size_t i = 0; i < p.phase.size(); ++i)
@@ -144,7 +144,7 @@ void split_phase(Phases& p, int phase, const residual::Outlines& outlines, const
   each([&](std::size_t i) {
     const std::size_t r = rim_of(size_at(i));
     const Vec2 normal = outlines.normal[i].cast<double>();
-    const auto bin = static_cast<std::size_t>(outlines.depth[i]);
+    const std::size_t bin = outlines.depth[i];
     if (bin < rims[r].offset.size()) bins[r][bin].add(normal, p.offset[i].cast<double>());
     if (outlines.depth[i] < kNear) {
       auto& [sum, weight] = near[r][outlines.particle[i]];

@@ -7,6 +7,7 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 #include "nodes/detail/detail_solid/apply.h"
 #include "nodes/detail/detail_solid/broad.h"
@@ -40,7 +41,7 @@ void make_tiles(Context& c, const Phases& phases, const std::vector<Vec3f>& broa
 // Two rows, about middle gray: the exemplars, and below each the middle slices of its tile, repeated 2 × 2.
 Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& detail) {
   const int size = detail.size, side = 2 * size;
-  Image out(side * static_cast<int>(exemplars.size()), 2 * side, 1, detail.pixel_size,
+  Image out(side * count_of(exemplars), 2 * side, 1, detail.pixel_size,
             srgb_to_linear(Vec3f::Constant(0.5f)));
   const auto shown = [](const Vec3f& v) {
     return srgb_to_linear(Vec3f((v.array() + 0.5f).cwiseMax(0.0f).cwiseMin(1.0f)));
@@ -49,8 +50,7 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
     const PartialPicture& e = exemplars[n];
     const int left = side * static_cast<int>(n);
     for (int y = 0; y < e.height; ++y)
-      for (int x = 0; x < e.width; ++x)
-        out.at(left + x, y) = shown(e.value[static_cast<std::size_t>(y) * e.width + x]);
+      for (int x = 0; x < e.width; ++x) out.at(left + x, y) = shown(e.value[pixel_at(x, y, e.width)]);
     const std::size_t first = static_cast<std::size_t>(size / 2) * size * size;
     const auto slice = [&](std::size_t i) {
       return Vec3f(detail.phases[n].tile[first + i] + detail.phases[n].broad[first + i]);
@@ -70,7 +70,7 @@ void compute(Context& c) {
   const Labels* mask = c.optional<Labels>("mask");
   if (mask)
     require_equal_size(*mask, "the mask has", image, "the image has", "use the mask of the same photograph");
-  PhaseChoice choice;
+  PhaseOptions choice;
   const double softness = outline_softness(image, labels);
   choice.edge = c.integer("edge");
   choice.softness = softness;

@@ -12,6 +12,7 @@
 #include "nodes/common/texture/kmeans.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/specks.h"
 
@@ -32,12 +33,12 @@ void exclude_outlines(const Labels& labels, int section, int edge, std::int8_t* 
 // Excludes particles missed by the labels and the binder's pixels beside them. Returns their fraction of the
 // binder's pixels.
 double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int8_t* phase) {
-  std::vector<std::uint8_t> binder(static_cast<std::size_t>(w) * h);
+  std::vector<std::uint8_t> binder(pixels_in(w, h));
   double all = 0;
   for (std::size_t i = 0; i < binder.size(); ++i) all += binder[i] = phase[i] == 0;
   const std::vector<std::size_t> far = residual::find_specks(encoded, binder, limit);
   for (const std::size_t i : far) {
-    const int x = i % static_cast<std::size_t>(w), y = i / static_cast<std::size_t>(w);
+    const int x = i % w, y = i / w;
     for (int b = std::max(0, y - 1); b <= std::min(h - 1, y + 1); ++b)
       for (int a = std::max(0, x - 1); a <= std::min(w - 1, x + 1); ++a) {
         std::int8_t& p = phase[static_cast<std::size_t>(b) * w + a];
@@ -49,7 +50,7 @@ double exclude_specks(const Vec3f* encoded, double limit, int w, int h, std::int
 
 // Groups of the profiles by color, from 1 by falling area. `color` is linear and `area` counts used pixels.
 std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vector<double>& area,
-                                const PhaseChoice& choice, const Work& work) {
+                                const PhaseOptions& choice, const Work& work) {
   std::vector<int> group(color.size(), 1);
   std::vector<Vec3> points;
   std::vector<double> weights;
@@ -58,9 +59,9 @@ std::vector<int> group_profiles(const std::vector<Vec3f>& color, const std::vect
     if (area[i] > 0)
       points.push_back(linear_to_oklab(color[i]).cast<double>()), weights.push_back(area[i]),
           index.push_back(i);
-  for (int k = std::min<int>(choice.groups, static_cast<int>(points.size())); k > 1; --k) {
+  for (int k = std::min<int>(choice.groups, count_of(points)); k > 1; --k) {
     const ColorClusters clusters = kmeans(points, weights, k, choice.seed, work.quiet());
-    std::vector<double> total(static_cast<std::size_t>(clusters.k), 0.0);
+    std::vector<double> total(clusters.k, 0.0);
     for (std::size_t i = 0; i < points.size(); ++i) total[clusters.of[i]] += weights[i];
     if (*std::min_element(total.begin(), total.end()) < kLeastGroup) continue;
     for (std::size_t i = 0; i < points.size(); ++i) group[index[i]] = clusters.of[i] + 1;
@@ -85,7 +86,8 @@ void check_photograph(const Image& image, const Labels& labels) {
 namespace {
 
 // The encoded pixels of binder and particles, without those that do not count.
-Phases encoded_pixels(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+Phases encoded_pixels(const Image& image, const Labels& labels, const PhaseOptions& choice,
+                      const Work& work) {
   Phases out;
   out.width = image.width;
   out.height = image.height;
@@ -121,12 +123,12 @@ void draw_flat(const std::int32_t* ids, const std::vector<double>& area, const s
 
 }  // namespace
 
-Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& choice, const Work& work) {
+Phases find_phases(const Image& image, const Labels& labels, const PhaseOptions& choice, const Work& work) {
   Phases out = encoded_pixels(image, labels, choice, work);
   const std::size_t plane = out.plane(), pixels = image.pixels.size();
   // Medians and means in linear light, as the flat colors of particles and binder are.
-  std::vector<std::int64_t> used(static_cast<std::size_t>(labels.count()), 0);
-  std::vector<Mean> binder(static_cast<std::size_t>(image.sections));
+  std::vector<std::int64_t> used(labels.count(), 0);
+  std::vector<Mean> binder(image.sections);
   for (std::size_t i = 0; i < pixels; ++i) {
     if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
     if (out.phase[i] > 0) ++used[static_cast<std::size_t>(labels.ids[i]) - 1];
@@ -141,8 +143,8 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseChoice& 
   int groups = 0;
   for (std::size_t k = 0; k < group.size(); ++k)
     if (area[k] > 0) groups = std::max(groups, group[k]);
-  std::vector<Mean> of_group(static_cast<std::size_t>(groups));
-  out.pixels.assign(static_cast<std::size_t>(groups) + 1, 0);
+  std::vector<Mean> of_group(groups);
+  out.pixels.assign(groups + 1, 0);
   std::vector<Vec3f> flat(plane);
   std::vector<float> scale;
   for (const Vec3f& c : color) scale.push_back(Detail::particle_scale(linear_to_srgb(c)));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/labels.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "runtime/work.h"
@@ -23,10 +24,10 @@ struct Phases {
   std::vector<std::int8_t> zone;     // of the binder's pixels, see zones.h; 0 elsewhere; empty without zones
   double outliers = 0;  // fraction of the binder's pixels that are particles missed by the labels
 
-  std::size_t plane() const { return static_cast<std::size_t>(width) * height; }
+  std::size_t plane() const { return pixels_in(width, height); }
 };
 
-struct PhaseChoice {
+struct PhaseOptions {
   int edge = 1;         // pixels on each side of an outline that are not used
   double specks = 6;    // limit for binder pixels in robust standard deviations from the binder's median; 0:
                         // none
@@ -54,7 +55,7 @@ void check_photograph(const Image&, const Labels&);
 // blurred as the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by
 // area); there are fewer groups if one would have too few pixels for a texture. The photograph must have
 // passed check_photograph.
-Phases find_phases(const Image&, const Labels&, const PhaseChoice&, const Work& = {});
+Phases find_phases(const Image&, const Labels&, const PhaseOptions&, const Work& = {});
 
 // Of all sections, one after the other, in the order of the pixels of the phases.
 residual::Outlines outlines_of(const Phases&, const Labels&);

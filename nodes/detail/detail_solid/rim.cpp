@@ -11,6 +11,7 @@
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/detail_solid/broad.h"
 #include "nodes/detail/residual/outline_depth.h"
 
@@ -38,8 +39,8 @@ struct Bins {
   // Means, up to the last bin with enough pixels. Bins without pixels take the next one's mean.
   std::vector<Vec3f> means() const {
     int n = sum.size();
-    while (n > 0 && count[static_cast<std::size_t>(n) - 1] < kLeastBin) --n;
-    std::vector<Vec3f> out(static_cast<std::size_t>(n));
+    while (n > 0 && count[n - 1] < kLeastBin) --n;
+    std::vector<Vec3f> out(n);
     for (int i = n; i-- > 0;) {
       const std::size_t k = i;
       if (count[k] >= kLeastBin)
@@ -93,7 +94,7 @@ float quantile_by_weight(std::vector<std::pair<float, double>>& values, double s
 }
 
 // Bin of a depth among n.
-std::size_t bin_of(float depth, std::size_t n) { return std::min(static_cast<std::size_t>(depth), n - 1); }
+std::size_t bin_of(float depth, std::size_t n) { return std::min<std::size_t>(depth, n - 1); }
 
 // A profile in which hues vary far more than in the others of its group holds two stones, or a stone and
 // soil. Its stones would get patches of several hues, so its contrasts of chroma are limited: to 1.3 times
@@ -132,13 +133,13 @@ std::vector<float> relative_gains(const Bins& squares) {
 struct GrainSquares {
   std::vector<float> gray, chroma;
   void add(const Vec2& squares) {
-    gray.push_back(static_cast<float>(squares[0]));
-    chroma.push_back(static_cast<float>(squares[1]));
+    gray.push_back(squares[0]);
+    chroma.push_back(squares[1]);
   }
   Vec2 value() {
     constexpr double kRank = 0.75;
     if (gray.empty()) return Vec2::Zero();
-    const auto rank = static_cast<std::size_t>(kRank * (gray.size() - 1));
+    const std::size_t rank = kRank * (gray.size() - 1);
     return {at_rank(gray, rank), at_rank(chroma, rank)};
   }
 };
@@ -254,7 +255,7 @@ struct OutlineSteps {
 void add_outline_steps(const Image& image, const Labels& labels, int section, std::vector<Vec3>& flat,
                        std::vector<double>& count, OutlineSteps& steps) {
   const int w = image.width, h = image.height;
-  const std::size_t plane = static_cast<std::size_t>(w) * h;
+  const std::size_t plane = pixels_in(w, h);
   std::vector<Vec3f> encoded(plane);
   flat[0].setZero();
   count[0] = 0;
@@ -277,10 +278,9 @@ void add_outline_steps(const Image& image, const Labels& labels, int section, st
     const float out = reinterpret_cast<const float*>(outside.data)[i],
                 in = reinterpret_cast<const float*>(inside.data)[i];
     const double d = id(i) > 0 ? in - 0.5 : 0.5 - out;  // positive within particles
-    const int bin = static_cast<int>(std::floor(d)) + kStep;
+    const int bin = round_down(d) + kStep;
     if (bin < 0 || bin >= 2 * kStep) continue;
-    const std::size_t k =
-        owner[static_cast<std::size_t>(reinterpret_cast<const std::int32_t*>(nearest.data)[i])];
+    const std::size_t k = owner[reinterpret_cast<const std::int32_t*>(nearest.data)[i]];
     if (!(count[k] > 0) || !(count[0] > 0)) continue;
     const Vec3 base = flat[0] / count[0], rise = flat[k] / count[k] - base;
     steps.up[bin] += (encoded[i].cast<double>() - base).dot(rise);
@@ -399,7 +399,7 @@ void keep_deep_pixels(Phases& p, const Labels& labels) {
     if (least[k] > 0) p.pixels[k] = left[k][least[k]];
   }
   for (std::size_t i = 0; i < p.phase.size(); ++i)
-    if (p.phase[i] >= 0 && depth[i] < least[static_cast<std::size_t>(p.phase[i])]) p.phase[i] = -1;
+    if (p.phase[i] >= 0 && depth[i] < least[p.phase[i]]) p.phase[i] = -1;
 }
 
 std::vector<double> split_slopes(Phases& p, const Labels& labels) {
@@ -408,7 +408,7 @@ std::vector<double> split_slopes(Phases& p, const Labels& labels) {
     double mx = 0, my = 0, gx = 0, gy = 0;
     int group = 0;
   };
-  std::vector<Fit> fits(static_cast<std::size_t>(labels.count()));
+  std::vector<Fit> fits(labels.count());
   const auto each = [&](auto&& use) {
     for (std::size_t i = 0; i < p.phase.size(); ++i)
       if (p.phase[i] > 0) {
@@ -442,8 +442,7 @@ std::vector<double> split_slopes(Phases& p, const Labels& labels) {
     if (!(det > 1e-6)) continue;
     f.gx = (vx * yy - vy * xy) / det;
     f.gy = (vy * xx - vx * xy) / det;
-    steepness[static_cast<std::size_t>(f.group) - 1].emplace_back(
-        (f.gx * f.gx + f.gy * f.gy) * f.n / std::numbers::pi, f.n);
+    steepness[f.group - 1].emplace_back((f.gx * f.gx + f.gy * f.gy) * f.n / std::numbers::pi, f.n);
   }
   each([&](const Fit& f, std::size_t i, double x, double y) {
     p.offset[i] -= Vec3f::Constant(static_cast<float>(f.gx * (x - f.mx) + f.gy * (y - f.my)));
@@ -463,7 +462,7 @@ std::vector<double> split_slopes(Phases& p, const Labels& labels) {
 }
 
 double outline_softness(const Image& image, const Labels& labels) {
-  std::vector<Vec3> flat(static_cast<std::size_t>(labels.count()) + 1, Vec3::Zero());
+  std::vector<Vec3> flat(labels.count() + 1, Vec3::Zero());
   std::vector<double> count(flat.size(), 0.0);
   OutlineSteps steps;
   for (int section = 0; section < image.sections; ++section)

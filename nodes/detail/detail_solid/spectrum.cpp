@@ -9,6 +9,7 @@
 
 #include "nodes/common/geometry/mesh/principal_axes.h"
 #include "nodes/common/texture/lane_fft.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/detail_solid/isotropy.h"
 
 namespace terrazzo::detail_solid {
@@ -53,10 +54,10 @@ Lags covariance_of(const Phases& p, int phase, const Eigen::Matrix3f& axes) {
     std::vector<LaneComplex> data(fft.count(), LaneComplex{Lane{0, 0, 0, 0}, Lane{0, 0, 0, 0}});
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const std::size_t i = s * p.plane() + static_cast<std::size_t>(y0 + y) * p.width + x0 + x;
+        const std::size_t i = s * p.plane() + pixel_at(x0, y0 + y, p.width) + x;
         if (p.phase[i] != phase) continue;
         const Vec3f v = axes.transpose() * p.offset[i];
-        data[static_cast<std::size_t>(y) * fft.width() + x].re = Lane{v.x(), v.y(), v.z(), 1};
+        data[pixel_at(x, y, fft.width())].re = Lane{v.x(), v.y(), v.z(), 1};
       }
     // The transform of a real signal's power in each lane is the signal's covariance.
     fft.run(data.data(), false, scratch);
@@ -231,11 +232,11 @@ void match_spectrum(std::vector<Vec3f>& tile, int size, const Phases& phases, in
     gain[c] = fitted_gains(have, c, wanted_power(covariance[c], size, bins));
   work.quiet().parallel(tile.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto low = std::min(static_cast<std::size_t>(have.distance[i]), have.radii() - 2);
+      const auto low = std::min<std::size_t>(have.distance[i], have.radii() - 2);
       const double t = have.distance[i] - low;
       Lane lane = {0, 0, 0, 0};
       for (std::size_t c = 0; c < 3; ++c)
-        lane[c] = std::sqrt((1 - t) * gain[c][low] + t * gain[c][low + 1]) / static_cast<double>(tile.size());
+        lane[c] = std::sqrt((1 - t) * gain[c][low] + t * gain[c][low + 1]) / tile.size();
       data[i].re *= lane;
       data[i].im *= lane;
     }

@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/mesh/principal_axes.h"
 #include "nodes/common/texture/quantiles.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/optimize_solid.h"
 
 namespace terrazzo::detail_solid {
@@ -34,7 +35,7 @@ Window best_window(const Phases& p, int phase, int side) {
     for (int y = 0; y < p.height; ++y)
       for (int x = 0; x < p.width; ++x)
         at(x + 1, y + 1) = at(x, y + 1) + at(x + 1, y) - at(x, y) +
-                           (p.phase[s * p.plane() + static_cast<std::size_t>(y) * p.width + x] == phase);
+                           (p.phase[s * p.plane() + pixel_at(x, y, p.width)] == phase);
     for (int y = 0; y + h <= p.height; y += 4)
       for (int x = 0; x + w <= p.width; x += 4) {
         const long n = at(x + w, y + h) - at(x, y + h) - at(x + w, y) + at(x, y);
@@ -127,8 +128,8 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
   e.height = exemplar.height;
   for (int y = e.height - 1; y >= 0; --y)
     for (int x = 0; x < e.width; ++x)
-      e.pixels.push_back(exemplar.value[static_cast<std::size_t>(y) * e.width + x].array() + kZero);
-  solids::SolidSettings settings;
+      e.pixels.push_back(exemplar.value[pixel_at(x, y, e.width)].array() + kZero);
+  solids::SolidOptions settings;
   settings.size = Vec3i::Constant(size);
   settings.color = solids::SolidColor::Linear;
   settings.levels = 2;  // the broad part is left out

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/detail/detail_solid/broad.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "runtime/random.h"
@@ -93,7 +94,7 @@ std::vector<float> levels_of(const Phases& p, const std::vector<float>& depth, d
   std::vector<double> low(kLevels, 0), all(kLevels, 0);
   for (std::size_t i = 0; i < p.zone.size(); ++i)
     if (p.zone[i] > 0 && depth[i] > 1 + 2.5 * softness) {
-      const auto k = static_cast<std::size_t>(std::min(depth[i], kLevels - 1.0f));
+      const std::size_t k = std::min(depth[i], kLevels - 1.0f);
       low[k] += p.zone[i] == 1;
       ++all[k];
     }
@@ -130,10 +131,10 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
       const std::size_t i = used[random.below(used.size())];
       const double angle = random.uniform(0, 2 * std::numbers::pi);
       const int in = i % p.plane();
-      const int x = in % p.width + static_cast<int>(std::lround(r * std::cos(angle))),
-                y = in / p.width + static_cast<int>(std::lround(r * std::sin(angle)));
+      const int x = in % p.width + round_nearest(r * std::cos(angle)),
+                y = in / p.width + round_nearest(r * std::sin(angle));
       if (x < 0 || y < 0 || x >= p.width || y >= p.height) continue;
-      const std::size_t j = i - static_cast<std::size_t>(in) + static_cast<std::size_t>(y) * p.width + x;
+      const std::size_t j = i - static_cast<std::size_t>(in) + pixel_at(x, y, p.width);
       if (p.zone[j] == 0) continue;
       both += p.zone[i] == 1 && p.zone[j] == 1;
       ++pairs;
@@ -197,10 +198,9 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
     const Eigen::Index row = i;
     const bool known = correlation[i] >= 0;
     for (std::size_t k = 0; k < kWidths.size(); ++k)
-      a(row, static_cast<Eigen::Index>(k)) =
-          known && kWidths[k] >= kSmooth * width
-              ? std::exp(-kApart[i] * kApart[i] / (4.0 * kWidths[k] * kWidths[k]))
-              : 0;
+      a(row, k) = known && kWidths[k] >= kSmooth * width
+                      ? std::exp(-kApart[i] * kApart[i] / (4.0 * kWidths[k] * kWidths[k]))
+                      : 0;
     b[row] = known ? correlation[i] : 0;
   }
   const Eigen::VectorXd variance = nonnegative_fit(a, b);
@@ -210,7 +210,7 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
   }
   for (std::size_t k = 0; k < kWidths.size(); ++k)
     if (const double v = variance[k] / variance.sum(); v > 1e-3)
-      zones.sigma.push_back(kWidths[k]), zones.variance.push_back(static_cast<float>(v));
+      zones.sigma.push_back(kWidths[k]), zones.variance.push_back(v);
   std::vector<std::uint8_t> between;
   for (int s = 0; s < p.sections; ++s) {
     const auto one = near_edges(p, s * p.plane());

@@ -9,6 +9,7 @@
 
 #include "nodes/common/texture/color_medians.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/picture_detail.h"
@@ -18,7 +19,7 @@
 namespace terrazzo::repaint {
 namespace {
 
-constexpr std::uint64_t plane_stream = 0x72657061;
+constexpr std::uint64_t kPlaneStream = 0x72657061;
 
 struct FlatColors {
   std::vector<Vec3f> profile;  // of label k at k − 1
@@ -119,7 +120,7 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
   check(photograph, labels);
   Image out = photograph;
   const int width = photograph.width, height = photograph.height;
-  const std::size_t plane = static_cast<std::size_t>(width) * height;
+  const std::size_t plane = pixels_in(width, height);
   const double pixel = photograph.pixel_size;
   for (int s = 0; s < photograph.sections; ++s) {
     const Work part = work.part(double(s) / photograph.sections, double(s + 1) / photograph.sections);
@@ -143,7 +144,7 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
     // Profiles become particles around a plane that no axis of the tiles lies in, so that it shows them as
     // sections of a solid do.
     const std::vector<float> sizes = residual::sizes_of_particles({ids, plane}, pixel);
-    Random random(seed, plane_stream, static_cast<std::uint64_t>(s));
+    Random random(seed, kPlaneStream, static_cast<std::uint64_t>(s));
     Quat turn;
     for (int k = 0; k < 4; ++k) turn.coeffs()[k] = random.normal();
     turn.normalize();

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::residual {
 
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap) {
@@ -14,7 +16,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   const auto id = [&](int x, int y) {
     x = (x - margin + kMargin * width) % width;
     y = (y - margin + kMargin * height) % height;
-    return ids[static_cast<std::size_t>(y) * width + x];
+    return ids[pixel_at(x, y, width)];
   };
   cv::Mat inside(h, w, CV_8U, cv::Scalar(255)), distance, nearest;
   cv::Mat particle(h, w, CV_32S, cv::Scalar(0));  // of pixels at an outline
@@ -33,7 +35,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
       };
       differ(x + 1, y), differ(x, y + 1);
     }
-  const std::size_t pixels = static_cast<std::size_t>(width) * height;
+  const std::size_t pixels = pixels_in(width, height);
   Outlines out;
   if (!any) {
     out.depth.assign(pixels, static_cast<float>(std::hypot(width, height)));
@@ -57,7 +59,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   cv::GaussianBlur(depth, depth, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       out.depth[i] = distance.at<float>(y + margin, x + margin) + 0.5f;
       out.particle[i] = ids[i] > 0 ? ids[i] : owner[nearest.at<std::int32_t>(y + margin, x + margin)];
       const auto at = [&](int u, int v) {
@@ -72,7 +74,7 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
 std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double pixel) {
   std::int32_t largest = 0;
   for (const auto id : ids) largest = std::max(largest, id);
-  std::vector<std::int64_t> pixels(static_cast<std::size_t>(largest) + 1, 0);
+  std::vector<std::int64_t> pixels(largest + 1, 0);
   for (const auto id : ids) ++pixels[id];
   std::vector<float> sizes(pixels.size(), 0.0f);
   for (std::size_t k = 1; k < sizes.size(); ++k)

@@ -10,6 +10,7 @@
 #include "nodes/common/geometry/tile_fit.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/detail.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/volume.h"
 #include "runtime/random.h"
@@ -17,9 +18,9 @@
 namespace terrazzo::residual {
 namespace {
 
-constexpr std::uint64_t particle_stream = 0x72657331, binder_stream = 0x72657332, layer_stream = 0x72657333,
-                        turn_stream = 0x72657334, cell_stream = 0x72657335, seed_stream = 0x72657336,
-                        slope_stream = 0x72657337;
+constexpr std::uint64_t kParticleStream = 0x72657331, kBinderStream = 0x72657332, kLayerStream = 0x72657333,
+                        kTurnStream = 0x72657334, kCellStream = 0x72657335, kSeedStream = 0x72657336,
+                        kSlopeStream = 0x72657337;
 constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
@@ -44,7 +45,7 @@ float periodic_noise(const Vec3f& p, const Vec3i& cells) {
       item = item * 65537 + wrap_index(at[k] + d[k], cells[k]);
       w *= d[k] ? u[k] : 1 - u[k];
     }
-    const std::uint64_t h = Random(1, layer_stream, item).bits();
+    const std::uint64_t h = Random(1, kLayerStream, item).bits();
     const auto side = [&](int bit) { return h >> bit & 1 ? 1.0f : -1.0f; };
     const int flat = (h >> 8) % 3;  // a gradient towards one of the twelve edges
     float g = 0;
@@ -192,8 +193,8 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     group_.push_back(nearest < detail.profile_group.size() ? detail.profile_group[nearest]
                      : colors.empty()                      ? 0
                                                            : static_cast<int>(best) + 1);
-    Place place = random_place(particle_stream, p, particles.position[p].cast<float>());
-    Random random(1, slope_stream, p);
+    Place place = random_place(kParticleStream, p, particles.position[p].cast<float>());
+    Random random(1, kSlopeStream, p);
     const double radius = particles.size[p] / 2;
     if (radius > 0)
       for (int a = 0; a < 3; ++a)
@@ -207,17 +208,16 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
 
 void ResidualField::place_cells(int size, double voxel) {
   for (int a = 0; a < 3; ++a)
-    cells_[a] =
-        std::max(1, static_cast<int>(std::lround(box_[a] / (kCell * static_cast<float>(size * voxel)))));
+    cells_[a] = std::max(1, round_nearest(box_[a] / (kCell * static_cast<float>(size * voxel))));
   for (int z = 0; z < cells_.z(); ++z)
     for (int y = 0; y < cells_.y(); ++y)
       for (int x = 0; x < cells_.x(); ++x) {
         const std::uint64_t item = cell_.size();
-        Random random(1, seed_stream, item);
+        Random random(1, kSeedStream, item);
         Vec3f seed(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
         for (int a = 0; a < 3; ++a) seed[a] += static_cast<float>(random.uniform(0.15, 0.85));
         cell_.push_back(
-            random_place(cell_stream, item, seed.cwiseQuotient(cells_.cast<float>()).cwiseProduct(box_)));
+            random_place(kCellStream, item, seed.cwiseQuotient(cells_.cast<float>()).cwiseProduct(box_)));
         centers_.push_back(cell_.back().center);
       }
 }
@@ -226,7 +226,7 @@ void ResidualField::place_cells(int size, double voxel) {
 // lie on that lattice shows voxels as they are.
 ResidualField::Place ResidualField::random_place(std::uint64_t stream, std::uint64_t item,
                                                  const Vec3f& center) const {
-  Random random(1, stream, item), turns(1, turn_stream ^ stream, item);
+  Random random(1, stream, item), turns(1, kTurnStream ^ stream, item);
   Place place;
   place.turn = cube_turn(turns.below(24));
   for (int a = 0; a < 3; ++a) {
@@ -300,14 +300,14 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
     return tiles_[0].spline.at(at.cwiseProduct(voxels_per_mm_) - Vec3f::Constant(0.5f));
   };
   if (periods_.maxCoeff() == 1) return spline(mm);
-  if (particle >= 0) return spline(mm + moved(particle_stream, particle));
+  if (particle >= 0) return spline(mm + moved(kParticleStream, particle));
   // Layers about a third of a tile thick.
   const float layer =
       5 * periodic_noise(mm.cwiseQuotient(box_).cwiseProduct(periods_.cast<float>()), periods_) + 100;
   const int low = floor_of(layer);
   float t = std::clamp((layer - low - 0.3f) / 0.4f, 0.0f, 1.0f);
   t = t * t * (3 - 2 * t);
-  const auto part = [&](int i) { return spline(mm + moved(binder_stream, i)); };
+  const auto part = [&](int i) { return spline(mm + moved(kBinderStream, i)); };
   if (t <= 0) return part(low);
   if (t >= 1) return part(low + 1);
   return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));

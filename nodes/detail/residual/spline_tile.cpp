@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/grid/floor_of.h"
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::residual {
 namespace {
@@ -64,7 +65,7 @@ void each_line(std::vector<Vec3f>& values, const Vec3i& size, int a, const Work&
   const std::size_t step[3] = {1, nx, nx * ny};
   const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;  // lines along a start at every (b, c)
   work.parallel(size[c], 4, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vec3f> line(static_cast<std::size_t>(size[a]));
+    std::vector<Vec3f> line(size[a]);
     for (std::size_t j = begin; j < end; ++j)
       for (std::size_t i = 0; i < static_cast<std::size_t>(size[b]); ++i) {
         Vec3f* first = &values[j * step[c] + i * step[b]];
@@ -77,7 +78,7 @@ void each_line(std::vector<Vec3f>& values, const Vec3i& size, int a, const Work&
 
 // Convolves a period with a Gaussian of `sigma` samples.
 void smooth_line(std::vector<Vec3f>& line, const std::vector<float>& kernel, std::vector<Vec3f>& buffer) {
-  const int n = line.size(), reach = static_cast<int>(kernel.size()) / 2;
+  const int n = line.size(), reach = count_of(kernel) / 2;
   buffer.assign(line.size(), Vec3f::Zero());
   for (int i = 0; i < n; ++i)
     for (int t = -reach; t <= reach; ++t) buffer[i] += kernel[t + reach] * line[wrap_index(i + t, n)];
@@ -103,7 +104,7 @@ void widen_footprint(std::vector<Vec3f>& values, const Vec3i& size, double footp
   if (footprint <= 1) return;
   // A box of `footprint` voxels has the variance of this Gaussian, less that of one voxel.
   const double sigma = std::sqrt((footprint * footprint - 1) / 12.0);
-  const int reach = static_cast<int>(std::ceil(3 * sigma));
+  const int reach = round_up(3 * sigma);
   std::vector<float> kernel;
   float total = 0;
   for (int t = -reach; t <= reach; ++t) {
@@ -158,8 +159,7 @@ SplineTile::SplineTile(std::vector<Vec3f> values, const Vec3i& size, Keep keep, 
 Vec3f SplineTile::at(const Vec3f& p) const {
   std::size_t at[3][4];
   float w[3][4];
-  const std::size_t step[3] = {1, static_cast<std::size_t>(size_.x()),
-                               static_cast<std::size_t>(size_.x()) * size_.y()};
+  const std::size_t step[3] = {1, static_cast<std::size_t>(size_.x()), pixels_in(size_.x(), size_.y())};
   for (int k = 0; k < 3; ++k) {
     const int low = floor_of(p[k]);
     weights(p[k] - low, w[k]);

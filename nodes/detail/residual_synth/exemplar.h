@@ -20,8 +20,7 @@ struct Exemplar {
   std::vector<std::vector<std::vector<Quantiles>>> bands;
   std::array<int, 3> picture = {0, 0, 0};  // index of the picture for slices across x, y and z
   const std::vector<Quantiles>& wanted(int axis, int channel) const {
-    return bands[static_cast<std::size_t>(picture[static_cast<std::size_t>(axis)])]
-                [static_cast<std::size_t>(channel)];
+    return bands[static_cast<std::size_t>(picture[axis])][static_cast<std::size_t>(channel)];
   }
 };
 

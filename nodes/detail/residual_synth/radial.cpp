@@ -120,7 +120,7 @@ std::vector<Vec3f> synthesize_radial(const Exemplar& exemplar, const Vec3i& size
     double mean = 0;
     for (const auto& v : volume) mean += v.re[c];
     mean /= n;
-    const Vec3f axis = exemplar.axes.col(static_cast<Eigen::Index>(c)).cast<float>();
+    const Vec3f axis = exemplar.axes.col(c).cast<float>();
     for (std::size_t i = 0; i < n; ++i) out[i] += (volume[i].re[c] - static_cast<float>(mean)) * axis;
   }
   return out;

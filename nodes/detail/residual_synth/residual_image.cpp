@@ -8,6 +8,7 @@
 
 #include "nodes/common/texture/color.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual/specks.h"
 
 namespace terrazzo::residual_synth {
@@ -16,7 +17,7 @@ namespace {
 // Chessboard distance to the nearest pixel of another label, minus one and capped: 0 beside an outline.
 std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int cap, const Work& work) {
   const int w = labels.width, h = labels.height;
-  std::vector<std::uint8_t> depth(static_cast<std::size_t>(w) * h, static_cast<std::uint8_t>(cap));
+  std::vector<std::uint8_t> depth(pixels_in(w, h), static_cast<std::uint8_t>(cap));
   std::vector<std::uint8_t> next;
   const auto id = [&](int x, int y) { return labels.ids[labels.index(x, y, section)]; };
   const auto around = [&](int x, int y, auto&& test) {
@@ -30,12 +31,11 @@ std::vector<std::uint8_t> depth_in_label(const Labels& labels, int section, int 
     work.part(0, 0).parallel(h, 64, [&](std::size_t begin, std::size_t end) {
       for (int y = begin; y < static_cast<int>(end); ++y)
         for (int x = 0; x < w; ++x) {
-          const std::size_t at = static_cast<std::size_t>(y) * w + x;
+          const std::size_t at = pixel_at(x, y, w);
           if (depth[at] < cap) continue;
-          const bool edge = step == 0 ? around(x, y, [&](int u, int v) { return id(u, v) != id(x, y); })
-                                      : around(x, y, [&](int u, int v) {
-                                          return depth[static_cast<std::size_t>(v) * w + u] < cap;
-                                        });
+          const bool edge = step == 0
+                                ? around(x, y, [&](int u, int v) { return id(u, v) != id(x, y); })
+                                : around(x, y, [&](int u, int v) { return depth[pixel_at(u, v, w)] < cap; });
           if (edge) next[at] = step;
         }
     });
@@ -51,9 +51,9 @@ std::vector<std::int32_t> nearest_valid(const std::vector<std::uint8_t>& valid, 
     if (valid[i]) nearest[i] = i;
   const auto offer = [&](int x, int y, int u, int v) {
     if (u < 0 || v < 0 || u >= w || v >= h) return;
-    const std::int32_t candidate = nearest[static_cast<std::size_t>(v) * w + u];
+    const std::int32_t candidate = nearest[pixel_at(u, v, w)];
     if (candidate < 0) return;
-    auto& best = nearest[static_cast<std::size_t>(y) * w + x];
+    auto& best = nearest[pixel_at(x, y, w)];
     const auto distance = [&](std::int32_t i) {
       const double dx = i % w - x, dy = i / w - y;
       return dx * dx + dy * dy;
@@ -124,7 +124,7 @@ void fill(Vec3f* pixels, const std::vector<std::uint8_t>& valid, int w, int h) {
   const auto nearest = nearest_valid(valid, w, h);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * w + x;
+      const std::size_t i = pixel_at(x, y, w);
       if (valid[i]) continue;
       if (nearest[i] < 0) {
         pixels[i] = Vec3f::Zero();  // the section has only outlines
@@ -153,7 +153,7 @@ ResidualImage residual_image(const Image& image, const Labels& labels, int edge,
   for (const auto& p : image.pixels)
     if (!p.allFinite()) throw Error("bad-pixels", "the image contains NaN or infinity");
   const int w = image.width, h = image.height;
-  const std::size_t plane = static_cast<std::size_t>(w) * h;
+  const std::size_t plane = pixels_in(w, h);
   ResidualImage out;
   out.image = out.means = image;
   out.edge = edge;

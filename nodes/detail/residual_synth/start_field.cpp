@@ -6,6 +6,7 @@
 
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/texture/steerable_pyramid.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::residual_synth {
@@ -31,16 +32,16 @@ struct Sample {
 };
 
 std::vector<Sample> polar_grid() {
-  constexpr int shells = 28, directions = 192;
-  const double lo = std::log(kPi / 128), hi = std::log(std::sqrt(3.0) * kPi), step = (hi - lo) / shells;
+  constexpr int kShells = 28, kDirections = 192;
+  const double lo = std::log(kPi / 128), hi = std::log(std::sqrt(3.0) * kPi), step = (hi - lo) / kShells;
   std::vector<Sample> out;
-  for (int s = 0; s < shells; ++s) {
+  for (int s = 0; s < kShells; ++s) {
     const double r0 = s == 0 ? 0 : std::exp(lo + s * step), r1 = std::exp(lo + (s + 1) * step);
     const double r = std::cbrt((r0 * r0 * r0 + r1 * r1 * r1) / 2);
-    const double volume = 4.0 / 3 * kPi * (r1 * r1 * r1 - r0 * r0 * r0) / directions;
-    for (int d = 0; d < directions; ++d) {
+    const double volume = 4.0 / 3 * kPi * (r1 * r1 * r1 - r0 * r0 * r0) / kDirections;
+    for (int d = 0; d < kDirections; ++d) {
       // Fibonacci spiral, rotated a little in every shell.
-      const double z = 1 - (2.0 * d + 1) / directions, phi = 2.399963229728653 * (d + 0.37 * s);
+      const double z = 1 - (2.0 * d + 1) / kDirections, phi = 2.399963229728653 * (d + 0.37 * s);
       const Vec3 k = r * Vec3(std::sqrt(1 - z * z) * std::cos(phi), std::sqrt(1 - z * z) * std::sin(phi), z);
       if (k.cwiseAbs().maxCoeff() < kPi) out.push_back({k, volume / std::pow(2 * kPi, 3)});
     }
@@ -90,7 +91,7 @@ PowerFactors fit_power(const std::array<const std::vector<Quantiles>*, 3>& bands
 std::vector<float> start_field(const PowerFactors& factor, const Vec3i& size,
                                const std::vector<SliceFamily>& families, SliceFamily::Workspace& space,
                                std::uint64_t seed, std::uint64_t stream, const Work& work) {
-  std::vector<float> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
+  std::vector<float> out(voxels_in(size));
   work.parallel(out.size(), 1 << 15, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       // The sum of four uniform numbers is close enough to Gaussian; variance 1.

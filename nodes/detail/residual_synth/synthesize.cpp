@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/slice_family.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual_synth/start_field.h"
 
 namespace terrazzo::residual_synth {
@@ -71,7 +72,7 @@ class Channel {
 
 std::vector<Vec3f> synthesize_residual(const Exemplar& exemplar, const Vec3i& size, int rounds,
                                        std::uint64_t seed, const Work& work) {
-  const std::size_t n = static_cast<std::size_t>(size.x()) * size.y() * size.z();
+  const std::size_t n = voxels_in(size);
   std::vector<Vec3f> out(n, Vec3f::Zero());
   if (exemplar.channels == 0) return out;
   std::vector<SliceFamily> families;

@@ -197,7 +197,7 @@ void add_features(Hdf5Output& file, const Dream3dContent& content) {
 void add_ensembles(Hdf5Output& file, const Regions& regions) {
   std::int32_t last = 0;
   for (const Region& r : regions.all) last = std::max(last, r.phase);
-  std::vector<std::string> names(static_cast<std::size_t>(last) + 1);
+  std::vector<std::string> names(last + 1);
   for (std::size_t k = 0; k < names.size(); ++k)
     names[k] =
         k == 0 ? "BINDER" : Region{.is = Region::Is::Phase, .cls = static_cast<std::int32_t>(k) - 1}.name();

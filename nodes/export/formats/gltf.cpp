@@ -32,7 +32,7 @@ void add_instanced(GltfPacker& pack, const Particles& particles, const Shapes& s
     if (members[s].empty()) continue;
     std::vector<float> translation, rotation, scale, color, id;
     for (const std::size_t i : members[s]) {
-      const Vec3 p = y_up(particles.position[i]) * meters_per_mm;
+      const Vec3 p = y_up(particles.position[i]) * kMetersPerMm;
       for (int k = 0; k < 3; ++k) {
         translation.push_back(float(p[k]));
         scale.push_back(float(particles.scale[i]));
@@ -85,7 +85,7 @@ void add_nodes(GltfPacker& pack, const Particles& particles, const Shapes& shape
       tinygltf::Node node;
       node.name = shape.name + "_" + std::to_string(i);
       node.mesh = mesh->second;
-      const Vec3 p = y_up(particles.position[i]) * meters_per_mm;
+      const Vec3 p = y_up(particles.position[i]) * kMetersPerMm;
       const auto q = y_up_rotation(particles.orientation[i]);
       node.translation = {p.x(), p.y(), p.z()};
       node.rotation.assign(q.begin(), q.end());
@@ -140,7 +140,7 @@ void write_glb(const std::filesystem::path& path, const Shapes& shapes, const st
     Eigen::AlignedBox3d box;
     for (const Vec3& v : shape.mesh.vertices) box.extend(v);
     const double shift = shapes.shapes.size() == 1 ? 0 : x - box.min().x();
-    if (shift != 0) node.translation = {shift * meters_per_mm, 0, 0};
+    if (shift != 0) node.translation = {shift * kMetersPerMm, 0, 0};
     x += 1.2 * box.sizes().x();
     pack.root(pack.node(std::move(node)));
   }

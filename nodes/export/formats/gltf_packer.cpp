@@ -6,13 +6,14 @@
 
 #include "nodes/common/geometry/mesh/render_mesh.h"
 #include "nodes/common/io/checked_file.h"
+#include "nodes/data/indices.h"
 #include "nodes/export/formats/picture_file.h"
 #include "runtime/files/json_input.h"
 
 namespace terrazzo::exporting {
 namespace {
 
-constexpr std::size_t largest_buffer = 0xfff00000u;  // lengths in a .glb have 32 bits
+constexpr std::size_t kLargestBuffer = 0xfff00000u;  // lengths in a .glb have 32 bits
 
 tinygltf::Value gltf_value(const nlohmann::json& j) {
   using tinygltf::Value;
@@ -94,7 +95,7 @@ int GltfPacker::material(const std::string& name, const Vec3f& color) {
   m.pbrMetallicRoughness.metallicFactor = 0;
   m.pbrMetallicRoughness.roughnessFactor = 0.6;
   model.materials.push_back(std::move(m));
-  return static_cast<int>(model.materials.size()) - 1;
+  return count_of(model.materials) - 1;
 }
 
 int GltfPacker::textured_material(const std::string& name, const Image& texture) {
@@ -105,11 +106,10 @@ int GltfPacker::textured_material(const std::string& name, const Image& texture)
   image.bufferView = view(png.data(), png.size(), 0);
   model.images.push_back(std::move(image));
   tinygltf::Texture t;
-  t.source = static_cast<int>(model.images.size()) - 1;
+  t.source = count_of(model.images) - 1;
   model.textures.push_back(t);
   const int at = material(name, Vec3f::Ones());
-  model.materials.back().pbrMetallicRoughness.baseColorTexture.index =
-      static_cast<int>(model.textures.size()) - 1;
+  model.materials.back().pbrMetallicRoughness.baseColorTexture.index = count_of(model.textures) - 1;
   return at;
 }
 
@@ -120,7 +120,7 @@ tinygltf::Primitive GltfPacker::primitive(const Shape& shape, bool textured) {
     RenderMesh split;
     for (std::size_t i = 0; i < m.indices.size(); ++i) {
       split.positions.push_back(m.positions[m.indices[i]]), split.normals.push_back(m.normals[m.indices[i]]);
-      split.indices.push_back(static_cast<std::uint32_t>(i));
+      split.indices.push_back(i);
       const Eigen::Vector2f& at = shape.uv[m.triangle[i / 3]][i % 3];
       uv.push_back(at.x()), uv.push_back(at.y());
     }
@@ -129,7 +129,7 @@ tinygltf::Primitive GltfPacker::primitive(const Shape& shape, bool textured) {
   std::vector<float> position, normal;
   position.reserve(m.positions.size() * 3), normal.reserve(m.positions.size() * 3);
   for (std::size_t v = 0; v < m.positions.size(); ++v) {
-    const Vec3 p = y_up(m.positions[v]) * meters_per_mm, n = y_up(m.normals[v]);
+    const Vec3 p = y_up(m.positions[v]) * kMetersPerMm, n = y_up(m.normals[v]);
     for (int k = 0; k < 3; ++k) position.push_back(float(p[k])), normal.push_back(float(n[k]));
   }
   tinygltf::Primitive out;
@@ -154,12 +154,12 @@ int GltfPacker::mesh(const std::string& name, const tinygltf::Primitive& primiti
   out.name = name;
   out.primitives.push_back(primitive);
   model.meshes.push_back(std::move(out));
-  return static_cast<int>(model.meshes.size()) - 1;
+  return count_of(model.meshes) - 1;
 }
 
 int GltfPacker::node(tinygltf::Node n) {
   model.nodes.push_back(std::move(n));
-  return static_cast<int>(model.nodes.size()) - 1;
+  return count_of(model.nodes) - 1;
 }
 
 void GltfPacker::write(const std::filesystem::path& path, const std::string& provenance) {
@@ -178,7 +178,7 @@ void GltfPacker::write(const std::filesystem::path& path, const std::string& pro
 int GltfPacker::view(const void* data, std::size_t size, int target) {
   auto& bytes = model.buffers[0].data;
   bytes.resize((bytes.size() + 3) / 4 * 4);
-  if (size > largest_buffer - bytes.size())
+  if (size > kLargestBuffer - bytes.size())
     throw Error("too-large", "the data exceeds 4 GiB, the limit of a .glb file",
                 "use fewer triangles per shape or fewer particles");
   tinygltf::BufferView v;
@@ -189,12 +189,12 @@ int GltfPacker::view(const void* data, std::size_t size, int target) {
   const auto* p = static_cast<const unsigned char*>(data);
   bytes.insert(bytes.end(), p, p + size);
   model.bufferViews.push_back(std::move(v));
-  return static_cast<int>(model.bufferViews.size()) - 1;
+  return count_of(model.bufferViews) - 1;
 }
 
 int GltfPacker::add(tinygltf::Accessor a) {
   model.accessors.push_back(std::move(a));
-  return static_cast<int>(model.accessors.size()) - 1;
+  return count_of(model.accessors) - 1;
 }
 
 }  // namespace terrazzo::exporting

@@ -13,7 +13,7 @@
 
 namespace terrazzo::exporting {
 
-constexpr double meters_per_mm = 0.001;
+constexpr double kMetersPerMm = 0.001;
 
 // The rotation by −90° about x that turns z up into y up.
 inline Vec3 y_up(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }

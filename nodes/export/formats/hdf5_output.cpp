@@ -10,6 +10,7 @@
 #include <mutex>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -79,7 +80,7 @@ herr_t write_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size,
   const char* from = static_cast<const char*>(bytes);
   disk->used = std::max<haddr_t>(disk->used, at + size);
   while (size > 0 && disk_error == 0) {
-    const ssize_t count = ::pwrite(disk->descriptor, from, size, static_cast<off_t>(at));
+    const ssize_t count = ::pwrite(disk->descriptor, from, size, at);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
       disk_error = count < 0 ? errno : ENOSPC;
@@ -95,7 +96,7 @@ herr_t write_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size,
 herr_t read_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, void* bytes) {
   char* to = static_cast<char*>(bytes);
   while (size > 0) {
-    const ssize_t count = ::pread(disk_of(file)->descriptor, to, size, static_cast<off_t>(at));
+    const ssize_t count = ::pread(disk_of(file)->descriptor, to, size, at);
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) break;
     to += count;
@@ -108,8 +109,7 @@ herr_t read_disk(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, std::size_t size, 
 
 herr_t truncate_disk(H5FD_t* file, hid_t, hbool_t) {
   Hdf5Disk* disk = disk_of(file);
-  if (disk->used != disk->end && ::ftruncate(disk->descriptor, static_cast<off_t>(disk->end)) != 0 &&
-      disk_error == 0)
+  if (disk->used != disk->end && ::ftruncate(disk->descriptor, disk->end) != 0 && disk_error == 0)
     disk_error = errno;
   disk->used = disk->end;
   return 0;
@@ -213,8 +213,7 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
                          std::uint64_t rows,
                          const std::function<void(std::uint64_t, std::uint64_t, void*)>& fill) {
   const std::vector<hsize_t> extent(size.begin(), size.end());
-  Hdf5Handle space(state_->checked(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr)),
-                   H5Sclose);
+  Hdf5Handle space(state_->checked(H5Screate_simple(count_of(extent), extent.data(), nullptr)), H5Sclose);
   Hdf5Handle how(state_->checked(H5Pcreate(H5P_DATASET_CREATE)), H5Pclose);
   H5Pset_obj_track_times(how, false);  // equal content gives equal bytes
   std::uint64_t row = H5Tget_size(hdf5_type(type));
@@ -222,21 +221,19 @@ void Hdf5Output::dataset(const std::string& path, Hdf5Type type, const std::vect
   if (compress_ && row >= kSmallestChunk && row <= kLargestChunk) {
     std::vector<hsize_t> chunk = extent;
     chunk[0] = 1;
-    if (H5Pset_chunk(how, static_cast<int>(chunk.size()), chunk.data()) < 0 || H5Pset_deflate(how, 4) < 0)
-      state_->fail();
+    if (H5Pset_chunk(how, count_of(chunk), chunk.data()) < 0 || H5Pset_deflate(how, 4) < 0) state_->fail();
   }
   Hdf5Handle data(state_->checked(H5Dcreate2(state_->file, path.c_str(), hdf5_type(type), space,
                                              state_->links, how, H5P_DEFAULT)),
                   H5Dclose);
-  std::vector<char> block(static_cast<std::size_t>(std::min(rows, size[0]) * row));
+  std::vector<char> block(std::min(rows, size[0]) * row);
   for (std::uint64_t first = 0; first < size[0]; first += rows) {
     const std::uint64_t count = std::min(rows, size[0] - first);
     fill(first, first + count, block.data());
     std::vector<hsize_t> start(extent.size(), 0), part = extent;
     start[0] = first;
     part[0] = count;
-    Hdf5Handle memory(state_->checked(H5Screate_simple(static_cast<int>(part.size()), part.data(), nullptr)),
-                      H5Sclose);
+    Hdf5Handle memory(state_->checked(H5Screate_simple(count_of(part), part.data(), nullptr)), H5Sclose);
     if (H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, part.data(), nullptr) < 0 ||
         H5Dwrite(data, hdf5_type(type), memory, space, H5P_DEFAULT, block.data()) < 0 || disk_error != 0)
       state_->fail();

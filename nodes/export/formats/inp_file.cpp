@@ -23,7 +23,7 @@ class InpText {
     if (text_.size() > (1 << 20)) flush();
   }
   void flush() {
-    out_.write(text_.data(), static_cast<std::streamsize>(text_.size()));
+    out_.write(text_.data(), text_.size());
     text_.clear();
   }
 

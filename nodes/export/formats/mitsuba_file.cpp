@@ -58,8 +58,8 @@ void write_mitsuba(const std::filesystem::path& path, const Scene& s, const Work
         "    </sampler>\n"
         "  </sensor>\n"
         "  <emitter type=\"constant\"/>\n",
-        s.binder ? "volpath" : "path", scene_view_angle, comma_separated(s.eye()),
-        comma_separated(s.center()), scene_width, scene_height, scene_samples);
+        s.binder ? "volpath" : "path", kSceneViewAngle, comma_separated(s.eye()), comma_separated(s.center()),
+        kSceneWidth, kSceneHeight, kSceneSamples);
     for (std::size_t c = 0; c < s.colors.size(); ++c)
       out << fmt::format(
           "  <bsdf type=\"diffuse\" id=\"color_{}\">\n    <rgb name=\"reflectance\" value=\"{}\"/>\n  "
@@ -75,7 +75,7 @@ void write_mitsuba(const std::filesystem::path& path, const Scene& s, const Work
     for (std::size_t i = 0; i < s.particles->count(); ++i) {
       if (i % 4096 == 0) {
         work.check();
-        work.progress(static_cast<double>(i) / s.particles->count());
+        work.done(i, s.particles->count());
       }
       if (s.group[i] < 0) continue;
       out << fmt::format(
@@ -96,8 +96,7 @@ void write_mitsuba_volume(const std::filesystem::path& path, const BinderMedium&
     for (const std::int32_t v : {1, box.size.x(), box.size.y(), box.size.z(), 1})
       put(v);                                                           // float32, size, channels
     for (const float v : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) put(v);  // the scene places it
-    out.write(reinterpret_cast<const char*>(binder.density.data()),
-              static_cast<std::streamsize>(binder.density.size() * sizeof(float)));
+    out.write(reinterpret_cast<const char*>(binder.density.data()), binder.density.size() * sizeof(float));
   });
 }
 

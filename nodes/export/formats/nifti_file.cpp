@@ -28,7 +28,7 @@ class NiftiStream {
 
   void write(const void* data, std::size_t size, bool last = false) {
     if (!gzip_) {
-      out_.write(static_cast<const char*>(data), static_cast<std::streamsize>(size));
+      out_.write(static_cast<const char*>(data), size);
       return;
     }
     const auto* at = static_cast<const Bytef*>(data);
@@ -42,8 +42,7 @@ class NiftiStream {
         z_.next_out = buffer_.data();
         z_.avail_out = buffer_.size();
         deflate(&z_, last && size == 0 ? Z_FINISH : Z_NO_FLUSH);
-        out_.write(reinterpret_cast<const char*>(buffer_.data()),
-                   static_cast<std::streamsize>(buffer_.size() - z_.avail_out));
+        out_.write(reinterpret_cast<const char*>(buffer_.data()), buffer_.size() - z_.avail_out);
       } while (z_.avail_out == 0);
     } while (size > 0);
   }

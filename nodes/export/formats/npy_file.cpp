@@ -6,6 +6,7 @@
 #include <string>
 
 #include "nodes/common/io/checked_file.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -46,19 +47,19 @@ void write_npy(const std::filesystem::path& path, const VoxelSource& source, con
           for (std::size_t i = 0; i < count; ++i) one[i] = voxels[i * c + k];
           data = one.data();
         }
-        out.write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(4 * count));
+        out.write(reinterpret_cast<const char*>(data), 4 * count);
         work.progress((k + double(end) / box.size.z()) / c);
       }
   });
 }
 
 void write_npy(const std::filesystem::path& path, const Labels& labels) {
-  const std::size_t count = static_cast<std::size_t>(labels.width) * labels.height * labels.sections;
+  const std::size_t count = pixels_in(labels.width, labels.height) * labels.sections;
   if (count == 0 || labels.ids.size() != count) throw Error("empty-labels", "the labels have no pixels");
   CheckedFile file(path);
   file.guard([&](std::ostream& out) {
     out << npy_header("<i4", false, fmt::format("{}, {}, {}", labels.sections, labels.height, labels.width));
-    out.write(reinterpret_cast<const char*>(labels.ids.data()), static_cast<std::streamsize>(4 * count));
+    out.write(reinterpret_cast<const char*>(labels.ids.data()), 4 * count);
   });
 }
 

@@ -65,7 +65,7 @@ void write_nvdb(const std::filesystem::path& path, const Volume& volume, const W
   std::vector<Handle> grids;
   for (const auto& grid : volume.grids) {
     work.check();
-    work.progress(static_cast<double>(grids.size()) / volume.grids.size());
+    work.done(grids.size(), volume.grids.size());
     grids.push_back(nano_of(*grid));
   }
   write(path, grids);

@@ -44,7 +44,7 @@ void write_pbrt(const std::filesystem::path& path, const Scene& s, const Work& w
         "Sampler \"zsobol\" \"integer pixelsamples\" {}\nIntegrator \"volpath\"\n"
         "Film \"rgb\" \"integer xresolution\" {} \"integer yresolution\" {} \"string filename\" \"{}.exr\"\n"
         "WorldBegin\nLightSource \"infinite\" \"rgb L\" [ 1 1 1 ]\n",
-        three(s.eye()), three(s.center()), scene_view_angle, scene_samples, scene_width, scene_height,
+        three(s.eye()), three(s.center()), kSceneViewAngle, kSceneSamples, kSceneWidth, kSceneHeight,
         "render");
     for (std::size_t c = 0; c < s.colors.size(); ++c)
       out << fmt::format(
@@ -59,7 +59,7 @@ void write_pbrt(const std::filesystem::path& path, const Scene& s, const Work& w
     for (std::size_t i = 0; i < s.particles->count(); ++i) {
       if (i % 4096 == 0) {
         work.check();
-        work.progress(static_cast<double>(i) / s.particles->count());
+        work.done(i, s.particles->count());
       }
       if (s.group[i] < 0) continue;
       const auto m = instance_matrix(*s.particles, i);

@@ -10,6 +10,7 @@
 #include "nodes/common/io/image_file.h"
 #include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -39,8 +40,8 @@ void verify(const std::filesystem::path& path) {
     throw incomplete(e.what());
   }
   const PictureHeader& header = in->header();
-  std::vector<unsigned char> pixels(static_cast<std::size_t>(header.width) * header.height *
-                                    header.channels.size() * header.sample_bytes);
+  std::vector<unsigned char> pixels(pixels_in(header.width, header.height) * header.channels.size() *
+                                    header.sample_bytes);
   if (!in->read(header.sample, pixels.data())) throw incomplete(in->error());
 }
 
@@ -53,13 +54,13 @@ void write_picture(const std::filesystem::path& path, const Image& image, int se
 }
 
 std::string png_of(const Image& image) {
-  const std::size_t count = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t count = pixels_in(image.width, image.height);
   if (count == 0 || image.pixels.size() < count) throw Error("empty-image", "the image has no pixels");
   std::vector<std::uint8_t> bytes;
   bytes.reserve(3 * count);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3f c = linear_to_srgb(image.pixels[i].cwiseMax(0.0f).cwiseMin(1.0f));
-    for (int k = 0; k < 3; ++k) bytes.push_back(static_cast<std::uint8_t>(std::lround(255 * c[k])));
+    for (int k = 0; k < 3; ++k) bytes.push_back(std::lround(255 * c[k]));
   }
   PictureEncoding encoding;
   encoding.width = image.width;
@@ -70,7 +71,7 @@ std::string png_of(const Image& image) {
 
 void write_labels(const std::filesystem::path& path, const Labels& labels, int section,
                   const std::string& provenance) {
-  const std::size_t count = static_cast<std::size_t>(labels.width) * labels.height;
+  const std::size_t count = pixels_in(labels.width, labels.height);
   if (count == 0 || section < 0 || section >= labels.sections || labels.ids.size() != count * labels.sections)
     throw Error("empty-labels",
                 fmt::format("the labels have no section {}: they have {} × {} pixels and {} sections",

@@ -46,7 +46,7 @@ std::vector<Link> periodic_links(const SurfaceNet& net) {
   for (std::size_t t = 0; t < net.corners.size(); ++t) {
     const auto it = link_of.find(net.patch_of[t]);
     if (it == link_of.end()) continue;
-    const std::size_t axis = net.patches[static_cast<std::size_t>(net.patch_of[t])].side / 2;
+    const std::size_t axis = net.patches[net.patch_of[t]].side / 2;
     for (const std::int32_t n : net.corners[t]) links[it->second].nodes.emplace(n, image[axis].at(n));
   }
   return links;
@@ -132,8 +132,7 @@ void write_surface_stl(const std::filesystem::path& path, const SurfaceNet& net,
     return region_of(regions, number).is != Region::Is::Void;
   };
   std::vector<std::int8_t> way;  // of each patch: 1 and −1 are at the surface, −1 with the normal reversed
-  for (const SurfacePatch& p : net.patches)
-    way.push_back(static_cast<std::int8_t>(solid(p.inside) - solid(p.other)));
+  for (const SurfacePatch& p : net.patches) way.push_back(solid(p.inside) - solid(p.other));
   std::uint64_t count = 0;
   for (const std::int32_t p : net.patch_of) count += way[p] != 0;
   if (count == 0) throw Error("no-particles", "the volume has no particle with a surface");

@@ -20,7 +20,7 @@ Mesh cell_mesh(const ConvexCell& cell) {
   for (const Vec3& c : cell.corners) {
     const auto same = std::find_if(mesh.vertices.begin(), mesh.vertices.end(),
                                    [&](const Vec3& v) { return (v - c).norm() <= near; });
-    merged.push_back(static_cast<int>(same - mesh.vertices.begin()));
+    merged.push_back(same - mesh.vertices.begin());
     if (same == mesh.vertices.end()) mesh.vertices.push_back(c);
   }
   for (const Face& face : cell.faces) {

@@ -17,10 +17,10 @@ double sphericity(const Shape& s) {
 PlotSeries histogram(const std::vector<double>& values, double low, double high, int bins) {
   PlotSeries bars;
   bars.kind = PlotSeries::Kind::Bars;
-  bars.y.assign(static_cast<std::size_t>(bins), 0);
+  bars.y.assign(bins, 0);
   for (int k = 0; k < bins; ++k) bars.x.push_back(low + (k + 0.5) * (high - low) / bins);
   for (double v : values) {
-    const int k = static_cast<int>((v - low) / (high - low) * bins);
+    const int k = (v - low) / (high - low) * bins;
     if (k >= 0 && k < bins) ++bars.y[k];
   }
   return bars;

@@ -12,6 +12,7 @@
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/data/indices.h"
 #include "nodes/packing/cells/grow.h"
 #include "nodes/packing/cells/section_fit.h"
 #include "nodes/packing/rigid/placement.h"
@@ -261,7 +262,7 @@ Eigen::MatrixXd Filler::shown(const Work& work) {
 // Corrects the sizes until sections show the profiles that the distribution stands for, as far as the effort
 // allows.
 void Filler::correct_sizes(const Particles& first, const std::vector<int>& first_class, const Work& work) {
-  const int each = std::max(40, kWantedSections / static_cast<int>(shapes_.shapes.size()));
+  const int each = std::max(40, kWantedSections / count_of(shapes_.shapes));
   const Eigen::VectorXd wanted = profile_densities(shapes_, first, first_class, distribution_.class_edges,
                                                    each, options_.population.seed, work.quiet())
                                      .colwise()

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 #include "nodes/packing/cells/growing_body.h"
 #include "nodes/packing/cells/separating_plane.h"
 #include "nodes/packing/rigid/neighbors.h"
@@ -143,8 +144,7 @@ void Growth::place_planes() {
       gap = std::min(gap, 0.5 * apart);
     }
     const double extent_a = s.end, extent_b = apart - s.start;
-    contacts_.push_back({pairs[k].a, pairs[k].b, static_cast<int>(a.planes.size()),
-                         static_cast<int>(b.planes.size()), apart, gap,
+    contacts_.push_back({pairs[k].a, pairs[k].b, count_of(a.planes), count_of(b.planes), apart, gap,
                          extent_a * extent_a - extent_b * extent_b});
     a.planes.push_back({s.normal, 0, pairs[k].b});
     b.planes.push_back({-s.normal, 0, pairs[k].a});

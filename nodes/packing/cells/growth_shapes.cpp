@@ -62,8 +62,7 @@ GrowthShape simpler(const Shape& shape, const Mesh& from, int level, const Work&
 const GrowthShape& GrowthShapes::at(const Shapes& shapes, std::int32_t shape, int level, const Work& work) {
   const auto [found, added] = prepared_.try_emplace({shape, level});
   if (added)
-    found->second = simpler(shapes.shapes[static_cast<std::size_t>(shape)],
-                            at(shapes, shape, level - 1, work).mesh, level, work);
+    found->second = simpler(shapes.shapes[shape], at(shapes, shape, level - 1, work).mesh, level, work);
   return found->second;
 }
 
@@ -71,7 +70,7 @@ void GrowthShapes::make_finest(const Shapes& shapes, const Particles& p, const W
   std::vector<std::pair<const Shape*, GrowthShape*>> missing;
   for (const std::int32_t s : p.shape)
     if (const auto [found, added] = prepared_.try_emplace({s, 0}); added)
-      missing.emplace_back(&shapes.shapes[static_cast<std::size_t>(s)], &found->second);
+      missing.emplace_back(&shapes.shapes[s], &found->second);
   work.parallel(missing.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       *missing[k].second = simpler(*missing[k].first, missing[k].first->mesh, 0, work);
@@ -83,7 +82,7 @@ void GrowthShapes::assign(const Shapes& shapes, const Particles& p, double fine,
   of_.clear();
   for (std::size_t i = 0; i < p.count(); ++i) {
     const double octaves = fine > p.size[i] ? std::ceil(std::log2(fine / p.size[i])) : 0;
-    of_.push_back(&at(shapes, p.shape[i], std::min(kLevels - 1, static_cast<int>(octaves)), work));
+    of_.push_back(&at(shapes, p.shape[i], std::min<int>(kLevels - 1, octaves), work));
   }
 }
 

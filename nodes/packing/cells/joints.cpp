@@ -5,6 +5,8 @@
 #include <numbers>
 #include <unordered_map>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::tessellation {
 namespace {
 
@@ -24,7 +26,7 @@ std::vector<OutlinePoint> points_on(const Profiles& profiles, double spacing) {
     const auto& contour = profiles.profiles[p].contour;
     for (std::size_t k = 0; k < contour.size(); ++k) {
       const Vec2 &a = contour[k], &b = contour[(k + 1) % contour.size()];
-      const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / spacing)));
+      const int pieces = std::max(1, round_up((b - a).norm() / spacing));
       for (int i = 0; i < pieces; ++i)
         points.push_back({a + (b - a) * i / pieces, static_cast<std::int32_t>(p)});
     }
@@ -60,7 +62,7 @@ class Grid {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 
   int section(const OutlinePoint& p) const { return profiles_.profiles[p.profile].section; }
-  int column(double x) const { return static_cast<int>(std::floor(x / cell_)); }
+  int column(double x) const { return round_down(x / cell_); }
   static std::uint64_t key(int section, int x, int y) {
     return static_cast<std::uint64_t>(section) << 48 ^ static_cast<std::uint64_t>(x + (1 << 23)) << 24 ^
            static_cast<std::uint64_t>(y + (1 << 23));

@@ -21,8 +21,7 @@ void for_each_cell(const Seeds& s, const Work& work, const Visit& visit) {
   const double unit = unit_of(s);
   const Vec3 box = s.box / unit;
   int blocks[3];
-  for (int a = 0; a < 3; ++a)
-    blocks[a] = std::max(1, static_cast<int>(std::round(box[a] / std::cbrt(kPerBlock))));
+  for (int a = 0; a < 3; ++a) blocks[a] = std::max<int>(1, std::round(box[a] / std::cbrt(kPerBlock)));
   const double least = *std::min_element(s.weight.begin(), s.weight.end());
   const auto cells = static_cast<std::size_t>(blocks[0]) * blocks[1] * blocks[2];
   work.parallel(cells, (cells + kParts - 1) / kParts, [&](std::size_t begin, std::size_t end) {

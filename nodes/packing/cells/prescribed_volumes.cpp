@@ -49,7 +49,7 @@ double smallest(const std::vector<double>& v) { return *std::min_element(v.begin
 class Fit {
  public:
   Fit(Seeds& seeds, const std::vector<double>& volume, Effort& effort, const Work& work)
-      : seeds_(seeds), effort_(effort), work_(work), wanted_(static_cast<Eigen::Index>(volume.size())) {
+      : seeds_(seeds), effort_(effort), work_(work), wanted_(volume.size()) {
     const double sum = std::accumulate(volume.begin(), volume.end(), 0.0);
     for (std::size_t i = 0; i < volume.size(); ++i) wanted_[i] = volume[i] / sum * seeds.box.prod();
   }

@@ -32,7 +32,7 @@ std::vector<double> profile_sizes(const Shape& shape, int sections, std::uint64_
 Eigen::MatrixXd profile_densities(const Shapes& shapes, const Particles& particles,
                                   const std::vector<int>& size_class, const std::vector<double>& edges,
                                   int sections, std::uint64_t seed, const Work& work) {
-  const auto classes = static_cast<Eigen::Index>(edges.size()) - 1;
+  const Eigen::Index classes = edges.size() - 1;
   std::vector<std::vector<double>> sizes(shapes.shapes.size());
   std::vector<bool> used(shapes.shapes.size(), false);
   for (std::int32_t s : particles.shape) used[s] = true;

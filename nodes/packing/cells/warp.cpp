@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::tessellation {
@@ -39,7 +40,7 @@ Warp::Warp(const Vec3& box, double coarsest, double displacement, std::uint64_t 
     gradient += 0.5 * w.amplitude.squaredNorm() * w.vector.squaredNorm();
   }
   // A step is invertible if its displacement's gradient is below 1 everywhere: eight root mean squares.
-  steps_ = std::max(1, static_cast<int>(std::ceil(8 * std::sqrt(gradient))));
+  steps_ = std::max(1, round_up(8 * std::sqrt(gradient)));
   for (Wave& w : waves_) w.amplitude /= steps_;
 }
 

@@ -102,7 +102,7 @@ void read_voids(const Fields& f, Particles& p) {
     if (!(v > last && v < p.count() && v == std::floor(v)))
       f.fail("bad-particles", fmt::format("has {} in voids after {}; voids are ascending indices below {}", v,
                                           last, p.count()));
-    p.voids[static_cast<std::size_t>(last = v)] = 1;
+    p.voids[last = v] = 1;
   }
 }
 

@@ -114,13 +114,13 @@ struct LabelSlots {
       throw Error("too-many-labels",
                   fmt::format("the volume contains the label {}; at most {} is supported", last, kMost - 1),
                   "renumber the labels");
-    slot.assign(static_cast<std::size_t>(last) + 1, -1);
+    slot.assign(last + 1, -1);
     for (const std::int32_t id : ids)
       if (id >= 0) slot[id] = 0;
     for (std::size_t id = 0; id < slot.size(); ++id)
       if (slot[id] == 0) {
         slot[id] = labels.size();
-        labels.push_back(static_cast<std::int32_t>(id));
+        labels.push_back(id);
       }
   }
 };
@@ -181,8 +181,7 @@ std::vector<Body> bodies_of(const Raster& raster, const Particles* particles, co
       work.check();
       for (int y = 0; y < n.y(); ++y)
         for (int x = 0; x < n.x(); ++x, ++at)
-          if (const std::int32_t id = raster.ids[at]; id >= 0)
-            body(sums[known.slot[static_cast<std::size_t>(id)]], Vec3i(x, y, z));
+          if (const std::int32_t id = raster.ids[at]; id >= 0) body(sums[known.slot[id]], Vec3i(x, y, z));
     }
   };
   find_near_points(sums, raster, edge, visit);

@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "nodes/common/texture/lane_fft.h"
+#include "nodes/data/indices.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::measure3d {
@@ -15,8 +16,7 @@ using Complex = std::complex<float>;
 // Transforms a block of `size` complex numbers, x fastest, along every axis. Unnormalized.
 void transform(std::vector<Complex>& data, const Vec3i& size, bool inverse, const Work& work) {
   constexpr std::size_t kInner = 4, kLanes = 4, kLines = kInner * kLanes;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x()),
-                                 static_cast<std::size_t>(size.x()) * size.y()};
+  const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x()), pixels_in(size.x(), size.y())};
   for (int axis = 0; axis < 3; ++axis) {
     const LaneFft fft(size[axis]);
     const std::size_t n = size[axis];
@@ -55,7 +55,7 @@ std::vector<double> paths_inside(const Raster& raster, int axis, int reach) {
   const Vec3i& size = raster.box.size;
   const int n = size[axis], u = (axis + 1) % 3, v = (axis + 2) % 3;
   // By the number of voxels in a run; a line that is entirely inside and wraps has no ends.
-  std::vector<std::uint64_t> runs(static_cast<std::size_t>(n) + 1, 0);
+  std::vector<std::uint64_t> runs(n + 1, 0);
   std::uint64_t endless = 0;
   Vec3i at;
   for (at[v] = 0; at[v] < size[v]; ++at[v])
@@ -84,11 +84,10 @@ std::vector<double> paths_inside(const Raster& raster, int axis, int reach) {
       }
       if (run > 0) ++runs[run];
     }
-  std::vector<double> out(static_cast<std::size_t>(reach) + 1, 0);
+  std::vector<double> out(reach + 1, 0);
   for (int r = 0; r <= reach; ++r) {
     double sum = static_cast<double>(endless) * n;
-    for (int length = r + 1; length <= n; ++length)
-      sum += static_cast<double>(length - r) * runs[static_cast<std::size_t>(length)];
+    for (int length = r + 1; length <= n; ++length) sum += static_cast<double>(length - r) * runs[length];
     out[r] = sum;
   }
   return out;
@@ -100,8 +99,7 @@ std::vector<double> resampled(const std::vector<double>& values, double spacing,
   std::vector<double> out;
   for (std::size_t k = 0; k < rows; ++k) {
     const double r = k * step / spacing;
-    const auto i = std::min(static_cast<std::size_t>(r), values.size() - 1),
-               j = std::min(i + 1, values.size() - 1);
+    const auto i = std::min<std::size_t>(r, values.size() - 1), j = std::min(i + 1, values.size() - 1);
     const double t = r - i;
     out.push_back((1 - t) * values[i] + t * values[j]);
   }
@@ -120,12 +118,12 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
   const auto rows = static_cast<std::size_t>(reach / out.step) + 1;
   Vec3i lags, padded;  // largest lag in voxels; size of the transform
   for (int a = 0; a < 3; ++a) {
-    lags[a] = std::min(static_cast<int>(std::ceil(reach / spacing[a])), wraps ? n[a] / 2 : n[a] - 1);
+    lags[a] = std::min(round_up(reach / spacing[a]), wraps ? n[a] / 2 : n[a] - 1);
     padded[a] = wraps ? n[a] : fast_even_size_above(n[a] + lags[a]);
   }
   const double total = padded.cast<double>().prod();
   require_memory(8 * total, memory, "the Fourier transform of the volume");
-  std::vector<Complex> field(static_cast<std::size_t>(total));
+  std::vector<Complex> field(total);
   const auto at = [&](int x, int y, int z) {
     const std::size_t row = static_cast<std::size_t>(z) * padded.y() + y;
     return row * padded.x() + x;
@@ -160,7 +158,7 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
     for (int dy = -lags.y(); dy <= lags.y(); ++dy)
       for (int dx = -lags.x(); dx <= lags.x(); ++dx) {
         const double r = Vec3(dx, dy, dz).cwiseProduct(spacing).norm();
-        const auto k = static_cast<std::size_t>(r / out.step + 0.5);
+        const std::size_t k = r / out.step + 0.5;
         if (k >= rows) continue;
         weight[k] += 1;
         value[k] += two_point(dx, dy, dz);

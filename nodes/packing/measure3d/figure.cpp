@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "nodes/common/plot/plot.h"
+#include "nodes/data/indices.h"
 #include "nodes/packing/measure3d/report.h"
 
 namespace terrazzo::measure3d {
@@ -113,7 +114,7 @@ Image figure_of(const Findings& f, const std::vector<Histogram>& histograms) {
   if (f.correlation) add_correlation_plots(*f.correlation, plots);
   if (f.representative) add_subvolume_plot(*f.representative, plots);
   if (plots.empty()) plots.push_back(plot_of("Nothing to show", "", ""));
-  return draw(plots, std::min<int>(4, static_cast<int>(plots.size())));
+  return draw(plots, std::min<int>(4, count_of(plots)));
 }
 
 }  // namespace terrazzo::measure3d

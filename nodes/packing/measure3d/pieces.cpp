@@ -105,7 +105,7 @@ Pieces pieces_of(Runs& runs) {
   for (std::size_t k = 0; k < runs.runs.size(); ++k) {
     const std::size_t root = runs.root(k);
     if (root == k) {
-      out.of_run.push_back(static_cast<std::int32_t>(out.all.size()));
+      out.of_run.push_back(out.all.size());
       out.all.push_back({runs.runs[k].label, 0, false});
     } else {
       out.of_run.push_back(out.of_run[root]);

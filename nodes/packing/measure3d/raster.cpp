@@ -77,7 +77,7 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
         Sum part{0, -1};
         std::vector<float> values;
         if (labels)
-          source.read(static_cast<int>(begin), static_cast<int>(end), out.ids.data() + begin * plane);
+          source.read(begin, end, out.ids.data() + begin * plane);
         else
           values = read_values(source, begin, end, plane, voxel);
         for (std::size_t i = begin * plane; i < end * plane; ++i) {

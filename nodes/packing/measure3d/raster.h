@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nodes/common/geometry/grid/voxel_source.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
 #include "runtime/work.h"
 
@@ -23,9 +24,7 @@ struct Raster {
   std::size_t inside = 0;        // voxels in the phase
 
   std::size_t count() const { return in.size(); }
-  std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * box.size.y() + y) * box.size.x() + x;
-  }
+  std::size_t index(int x, int y, int z) const { return voxel_at(x, y, z, box.size); }
   double fraction() const { return static_cast<double>(inside) / static_cast<double>(count()); }
   double voxel_volume() const { return box.spacing.prod(); }  // mm³
 };

@@ -56,7 +56,7 @@ Histogram histogram_between(std::string name, std::string unit, const std::vecto
                             double hi, std::size_t bins) {
   Histogram h{std::move(name), std::move(unit), {}, std::vector<double>(bins, 0), {}};
   if (!(hi > lo)) hi = lo + std::max(1e-9, std::abs(lo) * 1e-9);
-  for (std::size_t k = 0; k <= bins; ++k) h.edges.push_back(lo + (hi - lo) * static_cast<double>(k) / bins);
+  for (std::size_t k = 0; k <= bins; ++k) h.edges.push_back(lo + (hi - lo) * k / bins);
   for (const double v : values) {
     // A value on an edge, such as the ratio 0.6 of axes, belongs above it whatever its rounding.
     const double t = (v - lo) / (hi - lo) * bins + 1e-9;
@@ -73,7 +73,7 @@ void count_contacts(Findings& f) {
   f.contact_area.assign(f.bodies.size(), 0);
   std::int32_t last = -1;
   for (const Body& b : f.bodies) last = std::max(last, b.index);
-  std::vector<std::size_t> slot(static_cast<std::size_t>(last) + 1, 0);
+  std::vector<std::size_t> slot(last + 1, 0);
   for (std::size_t k = 0; k < f.bodies.size(); ++k) slot[f.bodies[k].index] = k;
   for (const Touch& t : f.touches)
     for (const std::int32_t p : {t.a, t.b}) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::measure3d {
 namespace {
 
@@ -61,7 +63,7 @@ struct SummedVolume {
   Vec3i size;
   std::vector<std::uint32_t> sums;
   explicit SummedVolume(const Raster& raster) : size(raster.box.size + Vec3i::Ones()) {
-    sums.assign(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z(), 0);
+    sums.assign(voxels_in(size), 0);
     for (int z = 1; z < size.z(); ++z)
       for (int y = 1; y < size.y(); ++y) {
         std::uint32_t row = 0;
@@ -71,11 +73,7 @@ struct SummedVolume {
         }
       }
   }
-  std::size_t at(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * static_cast<std::size_t>(size.y()) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(size.x()) +
-           x;
-  }
+  std::size_t at(int x, int y, int z) const { return voxel_at(x, y, z, size); }
   std::uint32_t inside(const Vec3i& lo, const Vec3i& hi) const {
     std::uint32_t sum = 0;
     for (int k = 0; k < 8; ++k) {
@@ -169,8 +167,7 @@ Representative representative_volume(const Raster& raster, double precision, con
   const double shortest = n.cast<double>().cwiseProduct(spacing).minCoeff();
   for (double edge = 0.5 * shortest; edge >= kSmallestWindow * spacing.maxCoeff(); edge /= std::sqrt(2.0)) {
     Vec3i length;
-    for (int a = 0; a < 3; ++a)
-      length[a] = std::clamp(static_cast<int>(std::lround(edge / spacing[a])), 1, n[a]);
+    for (int a = 0; a < 3; ++a) length[a] = std::clamp(round_nearest(edge / spacing[a]), 1, n[a]);
     Subvolumes row;
     const double part = length.cast<double>().cwiseProduct(spacing).prod();
     row.edge = std::cbrt(part);

@@ -5,6 +5,7 @@
 #include "nodes/common/geometry/mesh/aabb_tree.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
+#include "nodes/data/indices.h"
 #include "nodes/packing/measure3d/bodies.h"
 #include "nodes/packing/rigid/audit.h"
 
@@ -46,12 +47,12 @@ double near_area(const Placed& a, const Placed& b, const Vec3& offset, double ga
       continue;
     }
     for (int m = node.first; m < node.first + node.count; ++m) {
-      const Triangle& t = a.solid->mesh->triangles[a.solid->tree.triangles[static_cast<std::size_t>(m)]];
+      const Triangle& t = a.solid->mesh->triangles[a.solid->tree.triangles[m]];
       Vec3 c[3];
       for (int v = 0; v < 3; ++v) c[v] = turn * a.solid->mesh->vertices[t[v]] - shift;
       const Vec3 u = c[1] - c[0], w = c[2] - c[0];
       const double longest = std::max({u.norm(), w.norm(), (w - u).norm()});
-      const int parts = std::clamp(static_cast<int>(std::ceil(longest / step)), 1, kMostParts);
+      const int parts = std::clamp(round_up(longest / step), 1, kMostParts);
       const double part = 0.5 * u.cross(w).norm() / (parts * parts);
       // The centers of parts² equal triangles: those that point up, then those that point down.
       for (int i = 0; i < parts; ++i)
@@ -78,7 +79,7 @@ std::vector<Touch> touches_of(const Particles& particles, const Shapes& shapes, 
   std::vector<std::unique_ptr<Solid>> solids(shapes.shapes.size());
   for (const auto& pair : found)
     for (const std::int32_t p : {pair.a, pair.b}) {
-      const std::size_t s = particles.shape[static_cast<std::size_t>(p)];
+      const std::size_t s = particles.shape[p];
       if (!solids[s]) solids[s] = std::make_unique<Solid>(shapes.shapes[s].mesh);
     }
   const auto placed = [&](std::int32_t p) {

@@ -18,11 +18,10 @@ struct Auditor::Solid {
   MeshDistance distance;
   double radius = 0;
   Eigen::Array<double, Eigen::Dynamic, 3> points;  // the vertices
-  explicit Solid(const Mesh& m)
-      : mesh(&m), tree(m, 2), distance(m), points(static_cast<Eigen::Index>(m.vertices.size()), 3) {
+  explicit Solid(const Mesh& m) : mesh(&m), tree(m, 2), distance(m), points(m.vertices.size(), 3) {
     for (std::size_t v = 0; v < m.vertices.size(); ++v) {
       radius = std::max(radius, m.vertices[v].norm());
-      points.row(static_cast<Eigen::Index>(v)) = m.vertices[v].transpose();
+      points.row(v) = m.vertices[v].transpose();
     }
   }
   // Largest extent of the mesh along n.
@@ -207,8 +206,7 @@ class NearParticles {
         in_cell_(cells_.count()) {
     // A particle is listed in every cell that the cube around it touches.
     for (std::size_t i = 0; i < reach.size(); ++i)
-      cells_.visit(particles.position[i], reach[i],
-                   [&](std::size_t c) { in_cell_[c].push_back(static_cast<std::int32_t>(i)); });
+      cells_.visit(particles.position[i], reach[i], [&](std::size_t c) { in_cell_[c].push_back(i); });
   }
 
   // Those that may meet particle i, from i on.

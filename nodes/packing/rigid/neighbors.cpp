@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::packing {
 namespace {
@@ -67,8 +68,8 @@ void each_cell_near(const Vec3& box, const Vec3i& cells, const Vec3& p, double f
   std::array<int, 3> lo, hi;
   for (int a = 0; a < 3; ++a) {
     const double width = box[a] / cells[a];
-    lo[a] = static_cast<int>(std::floor((p[a] - far) / width));
-    hi[a] = static_cast<int>(std::floor((p[a] + far) / width));
+    lo[a] = round_down((p[a] - far) / width);
+    hi[a] = round_down((p[a] + far) / width);
   }
   std::array<int, 3> image;
   for (int z = lo[2]; z <= hi[2]; ++z) {
@@ -110,9 +111,7 @@ std::vector<Pair> near_pairs(const Vec3& box, const std::vector<Vec3>& position,
   std::vector<int> level_of(n);
   int count = 1;
   for (std::size_t i = 0; i < n; ++i) {
-    level_of[i] = radius[i] > 0
-                      ? std::min(12, static_cast<int>(std::floor(std::log2(largest / radius[i]) + 1e-9)))
-                      : 12;
+    level_of[i] = radius[i] > 0 ? std::min(12, round_down(std::log2(largest / radius[i]) + 1e-9)) : 12;
     count = std::max(count, level_of[i] + 1);
   }
   const auto levels = make_levels(box, position, radius, level_of, count, reach);

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::packing {
@@ -65,7 +66,7 @@ void check(const SizeDistribution& d, const Shapes& shapes) {
   for (const auto& e : d.shapes) {
     if (e.N_V.size() != d.classes())
       bad(fmt::format("an entry has {} classes, but the distribution has {}", e.N_V.size(), d.classes()));
-    if (e.shape < -1 || e.shape >= static_cast<int>(shapes.shapes.size()))
+    if (e.shape < -1 || e.shape >= count_of(shapes.shapes))
       bad(fmt::format("an entry refers to shape {}, but there are only {} shapes", e.shape,
                       shapes.shapes.size()));
     for (std::size_t k = 0; k < e.N_V.size(); ++k) {
@@ -149,13 +150,13 @@ double sum_of_densities(const std::vector<Cell>& cells) {
 // holds no more than `count` or kMostEnlarged particles. A class is left out as a whole; the largest stays.
 void leave_out_smallest(std::vector<Cell>& cells, const SizeDistribution& d, const PopulationOptions& o,
                         double least, Population& out) {
-  const double most = std::max(static_cast<double>(o.count), kMostEnlarged), volume = least * least * least;
+  const double most = std::max<double>(o.count, kMostEnlarged), volume = least * least * least;
   const double before = sum_of_densities(cells);
   while (sum_of_densities(cells) * volume > most && cells.front().cls > cells.back().cls) {
     const int cls = cells.back().cls;
     for (; cells.back().cls == cls; cells.pop_back())
       out.left_out_fraction += cells.back().density * cells.back().mean_volume;
-    out.left_out_size = d.class_edges[static_cast<std::size_t>(cls) + 1];
+    out.left_out_size = d.class_edges[cls + 1];
   }
   if (out.left_out_fraction > 0)
     out.notes.push_back(fmt::format(
@@ -172,7 +173,7 @@ double round_counts(std::vector<Cell>& cells, double volume, double phase) {
   std::int64_t before = 0;
   for (auto& c : cells) {
     sum += c.density * volume;
-    const auto now = static_cast<std::int64_t>(std::floor(sum));
+    const std::int64_t now = std::floor(sum);
     c.count = now - before;
     before = now;
     filled += static_cast<double>(c.count) * c.mean_volume;
@@ -331,7 +332,7 @@ bool fits_cell(const Particles& start, std::size_t i, const Cell& cell, const Si
   const auto& entry = d.shapes[cell.entry];
   const double lo = d.class_edges[cell.cls] * (1 - 1e-9), hi = d.class_edges[cell.cls + 1] * (1 + 1e-9);
   if (start.cls[i] != entry.cls || start.size[i] < lo || start.size[i] > hi) return false;
-  if (start.shape[i] < 0 || start.shape[i] >= static_cast<int>(shapes.shapes.size())) return false;
+  if (start.shape[i] < 0 || start.shape[i] >= count_of(shapes.shapes)) return false;
   if (entry.shape >= 0 && start.shape[i] != entry.shape) return false;
   return start.position[i].allFinite() && start.orientation[i].norm() > 1e-6;
 }
@@ -403,7 +404,7 @@ void fill_particles(const std::vector<Member>& members, const SizeDistribution& 
 }  // namespace
 
 double most_enlarged(const PopulationOptions& o) {
-  const auto count = static_cast<double>(o.count);
+  const double count = o.count;
   return std::max(count, std::min(10 * count, kMostEnlarged));
 }
 

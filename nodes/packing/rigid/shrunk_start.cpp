@@ -26,7 +26,7 @@ std::vector<std::int32_t> members(const Particles& all, const Particles& start, 
     };
     while (at < all.count() && all.count() - at >= start.count() - i && !same()) ++at;
     if (at >= all.count() || all.count() - at < start.count() - i) return {};
-    found.push_back(static_cast<std::int32_t>(at));
+    found.push_back(at);
   }
   return found;
 }
@@ -54,7 +54,7 @@ std::optional<Population> regrown(Population fresh, const Particles& start) {
   std::vector<bool> known(n, false);
   for (const std::int32_t i : order) known[i] = true;
   for (std::size_t i = 0; i < n; ++i)
-    if (!known[i]) order.push_back(static_cast<std::int32_t>(i));
+    if (!known[i]) order.push_back(i);
   Particles& p = fresh.particles;
   reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
   reorder(p.color, order), reorder(p.voids, order), reorder(fresh.size_class, order);

@@ -21,7 +21,7 @@ void reorder(std::vector<T>& v, const std::vector<std::int32_t>& order) {
   if (v.empty()) return;
   std::vector<T> out;
   out.reserve(order.size());
-  for (const std::int32_t i : order) out.push_back(v[static_cast<std::size_t>(i)]);
+  for (const std::int32_t i : order) out.push_back(v[i]);
   v = std::move(out);
 }
 

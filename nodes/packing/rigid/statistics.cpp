@@ -110,7 +110,7 @@ Table pair_correlation(const Particles& particles, int bins, const Work& work) {
             for (std::size_t j = begin_of[cell]; j < static_cast<std::size_t>(begin_of[cell + 1]); ++j) {
               if (j == i) continue;
               const double distance = nearest_image(center[j] - p, particles.box).norm();
-              const int bin = static_cast<int>(distance / farthest * bins);
+              const int bin = distance / farthest * bins;
               if (bin < bins) ++part[bin];
             }
           });

@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "graph/text/read_number.h"
 #include "nodes/common/texture/footprint.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::edit_labels {
 namespace {
@@ -154,12 +155,11 @@ class Editor {
       // Only the part within the picture cuts, so that a line of any length takes bounded time.
       Vec2 from = e.points[k], to = e.points[k + 1];
       if (!clip(from, to, l.width, l.height)) continue;
-      const int steps = static_cast<int>(std::ceil(4 * (to - from).norm())) + 1;
+      const int steps = round_up(4 * (to - from).norm()) + 1;
       for (int s = 0; s <= steps; ++s) {
         const Vec2 p = from + (to - from) * (static_cast<double>(s) / steps);
         if (label_at(p, e.section) == 0) continue;
-        const std::size_t i =
-            l.index(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())), e.section);
+        const std::size_t i = l.index(round_down(p.x()), round_down(p.y()), e.section);
         if (line.empty() || line.back() != i) line.push_back(i);
       }
     }
@@ -189,8 +189,7 @@ class Editor {
     for (const auto i : line)
       if (l.ids[i] == target) cut[i] = 1;
     // Pieces beside the line, by edges; then the line's own pixels join the piece they touch first.
-    const std::size_t first = l.index(0, 0, e.section),
-                      last = first + static_cast<std::size_t>(l.width) * l.height;
+    const std::size_t first = l.index(0, 0, e.section), last = first + pixels_in(l.width, l.height);
     std::vector<std::int32_t> piece(l.ids.size(), 0);
     std::vector<std::size_t> queue;
     std::int32_t pieces = 0;
@@ -282,7 +281,7 @@ Edited apply_edits(const Labels& labels, const std::vector<Edit>& edits, const W
     work.check();
     if (const std::string why = editor.apply(edits[k]); !why.empty())
       out.warnings.push_back("edit " + std::to_string(k + 1) + " no longer applies: " + why);
-    work.progress(static_cast<double>(k + 1) / edits.size());
+    work.done(k + 1, edits.size());
   }
   renumber(out.labels);
   return out;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::grain {
@@ -33,8 +34,8 @@ double mottles(std::uint64_t seed, double x, double y) {
 }
 
 std::vector<double> gaussian(double sd) {
-  const int radius = static_cast<int>(std::ceil(3 * sd));
-  std::vector<double> k(static_cast<std::size_t>(2 * radius + 1));
+  const int radius = round_up(3 * sd);
+  std::vector<double> k(2 * radius + 1);
   double sum = 0;
   for (int i = -radius; i <= radius; ++i) sum += k[i + radius] = std::exp(-0.5 * i * i / (sd * sd));
   for (double& w : k) w /= sum;
@@ -49,7 +50,7 @@ Image blurred(const Image& in, double sd, const Work& work) {
   const auto pass = [&](const Image& from, Image& to, bool along_x) {
     work.parallel(static_cast<std::size_t>(in.height) * in.sections, 16, [&](std::size_t b, std::size_t e) {
       for (std::size_t r = b; r < e; ++r) {
-        const int y = r % static_cast<std::size_t>(in.height), s = r / static_cast<std::size_t>(in.height);
+        const int y = r % in.height, s = r / in.height;
         for (int x = 0; x < in.width; ++x) {
           Eigen::Vector3d sum = Eigen::Vector3d::Zero();
           for (int i = -radius; i <= radius; ++i) {
@@ -69,7 +70,7 @@ Image blurred(const Image& in, double sd, const Work& work) {
 
 }  // namespace
 
-Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g, const Work& work) {
+Image add_grain(const Image& image, const Labels* labels, const GrainOptions& g, const Work& work) {
   if (image.pixels.empty()) throw Error("empty-image", "the picture has no pixels");
   if (labels &&
       (labels->width != image.width || labels->height != image.height || labels->sections != image.sections))
@@ -80,9 +81,9 @@ Image add_grain(const Image& image, const Labels* labels, const GrainSettings& g
       static_cast<std::size_t>(image.height) * image.sections, 16, [&](std::size_t b, std::size_t e) {
         for (std::size_t r = b; r < e; ++r)
           for (int x = 0; x < image.width; ++x) {
-            const std::size_t i = r * static_cast<std::size_t>(image.width) + x;
+            const std::size_t i = r * image.width + x;
             const std::uint64_t id = labels ? labels->ids[i] : 0;
-            const double y = r % static_cast<std::size_t>(image.height);
+            const double y = r % image.height;
             // Each body has its own pattern and direction.
             Random own(g.seed, 1, id);
             const double turn = own.uniform(0, 6.283185307179586), c = std::cos(turn), s = std::sin(turn);

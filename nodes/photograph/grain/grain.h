@@ -9,7 +9,7 @@
 
 namespace terrazzo::grain {
 
-struct GrainSettings {
+struct GrainOptions {
   double mottle = 0.15;  // standard deviation of the brightness within a particle, relative
   double vary = 0.05;    // standard deviation of the color channels between particles, relative
   double scale = 1;      // mm, size of the largest mottles
@@ -20,6 +20,6 @@ struct GrainSettings {
 
 // Every label gets its own mottles, so no pattern continues across an edge. Without labels the picture is one
 // body. `labels`, if given, must have the image's size. Throws Error "empty-image", "size-mismatch".
-Image add_grain(const Image&, const Labels* labels, const GrainSettings&, const Work&);
+Image add_grain(const Image&, const Labels* labels, const GrainOptions&, const Work&);
 
 }  // namespace terrazzo::grain

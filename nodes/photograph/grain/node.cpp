@@ -6,8 +6,8 @@ namespace terrazzo::grain {
 namespace {
 
 void compute(Context& c) {
-  const GrainSettings g{c.number("mottle"), c.number("vary"),  c.number("scale"),
-                        c.number("blur"),   c.number("noise"), c.seed()};
+  const GrainOptions g{c.number("mottle"), c.number("vary"),  c.number("scale"),
+                       c.number("blur"),   c.number("noise"), c.seed()};
   c.output("image", add_grain(c.input<Image>("image"), c.optional<Labels>("labels"), g, c.work()));
 }
 

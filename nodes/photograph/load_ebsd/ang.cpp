@@ -40,9 +40,9 @@ class PointReader {
  private:
   // By the first row: files before version 3 have no phases, and those before version 2 no confidence.
   void find_columns(std::size_t count) {
-    constexpr std::size_t fewest = AngHeader::Quality + 1;
-    if (!header_.names_columns && count < fewest)
-      lines_.malformed(fmt::format("{} numbers; at least {} are expected", count, fewest));
+    constexpr std::size_t kFewest = AngHeader::Quality + 1;
+    if (!header_.names_columns && count < kFewest)
+      lines_.malformed(fmt::format("{} numbers; at least {} are expected", count, kFewest));
     for (std::size_t& at : header_.at) {
       if (!header_.names_columns && at >= count) at = std::string_view::npos;
       if (at != std::string_view::npos) expected_ = std::max(expected_, at + 1);

@@ -8,6 +8,7 @@
 
 #include "nodes/common/io/cell_rows.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::load_ebsd {
 namespace {
@@ -97,7 +98,7 @@ class HeaderReader {
       numbered_ = true;
     } else if (key == "MaterialName") {
       // ASTAR does not number its phases.
-      if (!numbered_) start_phase(static_cast<int>(header_.phases.size()) + 1);
+      if (!numbered_) start_phase(count_of(header_.phases) + 1);
       phase_->name = printable(value);
     } else if (key == "Symmetry" && phase_) {
       phase_->symmetry = ang_symmetry(value, lines_);

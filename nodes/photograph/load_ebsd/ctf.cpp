@@ -103,8 +103,8 @@ MapPoint read_point(const double (&v)[6], std::size_t phases, const Lines& lines
       lines.malformed(fmt::format("the Euler angle {} must be in degrees, from -720 to 720", v[i]));
   MapPoint p;
   p.phase = static_cast<int>(v[0]) - 1;
-  constexpr double degree = std::numbers::pi / 180;
-  if (p.phase >= 0) p.orientation = from_bunge(v[1] * degree, v[2] * degree, v[3] * degree);
+  constexpr double kDegree = std::numbers::pi / 180;
+  if (p.phase >= 0) p.orientation = from_bunge(v[1] * kDegree, v[2] * kDegree, v[3] * kDegree);
   p.quality = static_cast<float>(v[4]);
   p.deviation = static_cast<float>(v[5]);
   return p;

@@ -35,7 +35,7 @@ struct EbsdMap {
 
 // Bytes that reading takes for each byte of text, an upper bound: the shortest line of a point has 16
 // characters.
-inline constexpr double map_bytes_per_byte = 1 + (2.0 * sizeof(MapPoint) + 6 * sizeof(double)) / 16;
+inline constexpr double kMapBytesPerByte = 1 + (2.0 * sizeof(MapPoint) + 6 * sizeof(double)) / 16;
 
 // The content of an EDAX/TSL .ang file, or of an Oxford/HKL .ctf file. The coordinates of the points say
 // where they are, so points may be in any order, and missing; what the header says about the grid must agree.

@@ -87,7 +87,7 @@ void measure(const EbsdMap& map, const std::vector<std::int32_t>& ids,
     Grain& g = grains[ids[i] - 1];
     const float cosine = half_angle_cosine(map.points[i].orientation, g.mean, rotations[g.phase]);
     const double n = g.pixels;
-    g.spread += 2 * std::acos(std::min(1.0, static_cast<double>(cosine))) / kDegree / n;
+    g.spread += 2 * std::acos(std::min<double>(1.0, cosine)) / kDegree / n;
     g.quality += map.points[i].quality / n;
   }
 }
@@ -117,7 +117,7 @@ Grains find_grains(const EbsdMap& map, const GrainRule& rule, const Work& work) 
   }
   std::vector<std::int64_t> pixels(map.points.size());
   for (std::size_t i = 0; i < pixels.size(); ++i)
-    if (phase[i] >= 0) ++pixels[sets.find(static_cast<std::int32_t>(i))];
+    if (phase[i] >= 0) ++pixels[sets.find(i)];
 
   Grains out;
   Labels& labels = out.labels;
@@ -128,7 +128,7 @@ Grains find_grains(const EbsdMap& map, const GrainRule& rule, const Work& work) 
   std::vector<std::int32_t> number(map.points.size());
   for (std::size_t i = 0; i < map.points.size(); ++i) {  // the representative of a set is its first pixel
     if (phase[i] < 0) continue;
-    const std::size_t root = sets.find(static_cast<std::int32_t>(i));
+    const std::size_t root = sets.find(i);
     if (pixels[root] < rule.min_pixels) continue;
     if (root == i) {
       out.grains.push_back({phase[i], pixels[i], map.points[i].orientation});

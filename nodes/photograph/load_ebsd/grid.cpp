@@ -114,7 +114,7 @@ void place_points(Grid& g, const Axis& x, const Axis& y, const PointList& p, std
     lines.unreadable(fmt::format("its {} points are too few for their grid of {} columns and {} rows",
                                  p.points.size(), g.width, g.rows));
   require_memory(places * sizeof(std::int32_t), memory, "the grid of the map");
-  g.points.assign(static_cast<std::size_t>(g.width * g.rows), -1);
+  g.points.assign(g.width * g.rows, -1);
   for (std::size_t i = 0; i < p.points.size(); ++i) {
     const std::int64_t row = y.at[i], column = g.staggered ? x.at[i] / 2 : x.at[i];
     auto& place = g.points[row * g.width + column];

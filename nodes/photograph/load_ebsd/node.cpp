@@ -20,9 +20,9 @@ EbsdMap read_map(Context& c) {
         .parameter("path");
   try {
     const std::string text = read_text(files[0], reading_of(c)), file = files[0].string();
-    const double bytes = map_bytes_per_byte * text.size();
+    const double bytes = kMapBytesPerByte * text.size();
     require_memory(bytes, c.memory(), fmt::format("the map '{}'", file));
-    const auto left = static_cast<std::uint64_t>(c.memory() - bytes);
+    const std::uint64_t left = c.memory() - bytes;
     return text.starts_with("Channel Text File") ? read_ctf(text, file, left) : read_ang(text, file, left);
   } catch (Error& e) {
     throw e.parameter("path");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/load_ebsd/grid.h"
 #include "runtime/memory.h"
 
@@ -57,18 +58,17 @@ EbsdMap rasterize(const Grid& g, const PointList& p, std::vector<Phase> phases, 
     return out;
   }
   const auto across = g.staggered ? std::min(g.columns[0], g.columns[1]) : g.width;
-  out.width = std::max(1, static_cast<int>(std::lround(across * g.x_step / pixel)));
-  out.height = std::max(1, static_cast<int>(std::lround(g.rows * g.y_step / pixel)));
-  out.points.reserve(static_cast<std::size_t>(out.width) * out.height);
+  out.width = std::max(1, round_nearest(across * g.x_step / pixel));
+  out.height = std::max(1, round_nearest(g.rows * g.y_step / pixel));
+  out.points.reserve(pixels_in(out.width, out.height));
   // Points are in the middle of their cells; those of shifted rows half a step further.
   for (int y = 0; y < out.height; ++y) {
-    const auto row =
-        std::clamp(static_cast<std::int64_t>((y + 0.5) * pixel / g.y_step), std::int64_t{0}, g.rows - 1);
+    const auto row = std::clamp<std::int64_t>((y + 0.5) * pixel / g.y_step, std::int64_t{0}, g.rows - 1);
     const int shift = g.shift(row);
     for (int x = 0; x < out.width; ++x) {
       const double place = (x + 0.5) * pixel / g.x_step - 0.5 * shift;
-      out.points.push_back(at(row, std::clamp(static_cast<std::int64_t>(std::floor(place)), std::int64_t{0},
-                                              g.columns[shift] - 1)));
+      out.points.push_back(
+          at(row, std::clamp<std::int64_t>(std::floor(place), std::int64_t{0}, g.columns[shift] - 1)));
     }
   }
   if (g.transposed) transpose(out);

@@ -30,7 +30,7 @@ void compute(Context& c) {
         .parameter("color_config");
   const auto& files = c.files("path");
   const std::string colorspace = c.text("colorspace");
-  const PageChoice choice = page_choice(c);
+  const PageOptions choice = page_choice(c);
   Image stack;
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
@@ -53,7 +53,7 @@ void compute(Context& c) {
       stack.pixels.insert(stack.pixels.end(), section.pixels.begin(), section.pixels.end());
       ++stack.sections;
     }
-    c.work().progress(static_cast<double>(i + 1) / files.size());
+    c.work().done(i + 1, files.size());
   }
   c.metric("width", stack.width);
   c.metric("height", stack.height);

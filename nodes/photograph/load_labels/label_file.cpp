@@ -10,6 +10,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/io/pictures/stored_picture.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::load_labels {
 namespace {
@@ -82,8 +83,8 @@ void require_unmixed(const RawMask& m, const std::filesystem::path& path) {
         label->second = touches_two(m, x, y);
   const std::size_t count =
       std::count_if(mixed.begin(), mixed.end(), [](const auto& label) { return label.second; });
-  constexpr std::size_t least = 3;  // of two by two samples per pixel
-  if (count < least || count == mixed.size() || 2 * count <= mixed.size()) return;
+  constexpr std::size_t kLeast = 3;  // of two by two samples per pixel
+  if (count < kLeast || count == mixed.size() || 2 * count <= mixed.size()) return;
   throw Error(
       "blurred-mask",
       fmt::format(
@@ -151,7 +152,7 @@ Labels with_any(Labels labels) {
 
 }  // namespace
 
-RawMask read_mask(const std::filesystem::path& path, const PageChoice& choice, const Reading& reading) {
+RawMask read_mask(const std::filesystem::path& path, const PageOptions& choice, const Reading& reading) {
   const PictureContent content = checked_picture(path, reading);
   const ChosenPage chosen = choose_page(content.pages, choice, path);
   const StoredSamples s = stored_samples(content, chosen.page, reading, 3.0 * sizeof(std::uint32_t));
@@ -178,14 +179,12 @@ RawMask read_mask(const std::filesystem::path& path, const PageChoice& choice, c
   warn_of_background(s, name, reading);
   const bool colors = s.is_color && !chosen.channel;
   RawMask mask{s.width, s.height, {}};
-  mask.values.resize(static_cast<std::size_t>(s.width) * s.height);
+  mask.values.resize(pixels_in(s.width, s.height));
   for (std::size_t p = 0; p < mask.values.size(); ++p) {
     if (!chosen.channel && s.alpha >= 0 && s.at(p, s.alpha) == 0) continue;
     const double v = s.at(p, chosen.channel.value_or(0));
     if (s.clear && v == *s.clear) continue;
-    if (!s.palette_alpha.empty() && v < s.palette_alpha.size() &&
-        s.palette_alpha[static_cast<std::size_t>(v)] == 0)
-      continue;
+    if (!s.palette_alpha.empty() && v < s.palette_alpha.size() && s.palette_alpha[v] == 0) continue;
     mask.values[p] = colors ? color_label(s, p, path) : label_of(v, path);
   }
   require_unmixed(mask, path);
@@ -237,7 +236,7 @@ void set_classes(Labels& labels, const std::vector<RawMask>& masks) {
   const auto wrong = [](const char* code, const std::string& what, const std::string& hint) {
     return Error(code, what, hint).parameter("classes");
   };
-  const std::size_t plane = static_cast<std::size_t>(labels.width) * labels.height;
+  const std::size_t plane = pixels_in(labels.width, labels.height);
   if (masks.size() != static_cast<std::size_t>(labels.sections))
     throw wrong("size-mismatch",
                 fmt::format("there are {} masks of classes for {} sections", masks.size(), labels.sections),
@@ -251,7 +250,7 @@ void set_classes(Labels& labels, const std::vector<RawMask>& masks) {
                   "both must show the same section");
     for (std::size_t p = 0; p < plane; ++p)
       if (const auto id = labels.ids[s * plane + p]; id > 0 && masks[s].values[p] > 0)
-        ++votes[static_cast<std::size_t>(id) - 1][masks[s].values[p]];
+        ++votes[id - 1][masks[s].values[p]];
   }
   for (std::size_t k = 0; k < votes.size(); ++k) {
     if (votes[k].empty())

@@ -6,6 +6,7 @@
 
 #include "nodes/common/io/picture_pages.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/labels.h"
 
 namespace terrazzo::load_labels {
@@ -17,17 +18,14 @@ enum class MaskKind { Instances, Classes };  // what each value is
 struct RawMask {
   int width = 0, height = 0;
   std::vector<std::uint32_t> values;
-  std::uint32_t at(int x, int y) const {
-    return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                  static_cast<std::size_t>(x)];
-  }
+  std::uint32_t at(int x, int y) const { return values[pixel_at(x, y, width)]; }
 };
 
 // Reads one page: integers of 1 to 64 bits, floats with whole numbers, indices of a palette, and 8-bit
 // colors. Throws Error "unreadable-image", "too-large", "several-pages" or "several-channels" if the choice
 // is open, "bad-labels" if a value is not a whole number from 0 to 4,294,967,294, "lossy-mask" for JPEG, and
 // "blurred-mask" if most values occur only where others meet.
-RawMask read_mask(const std::filesystem::path&, const PageChoice& = {}, const Reading& = {});
+RawMask read_mask(const std::filesystem::path&, const PageOptions& = {}, const Reading& = {});
 
 // Each value is one profile of its section, connected or not. Profiles are numbered by section, then by
 // increasing value. Throws Error "size-mismatch", "no-particles".

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/joined_bodies.h"
 
 namespace terrazzo::segment {
@@ -71,8 +72,7 @@ void keep_outlines(Particles2D& p, const Particles2D& bodies, int width, int hei
     const int x = i % width, y = i / width;
     for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
       for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
-        if (of_color(p.labels[static_cast<std::size_t>(v) * width + u]))
-          p.coverage[i] = std::min(0.499f, bodies.coverage[i]);
+        if (of_color(p.labels[pixel_at(u, v, width)])) p.coverage[i] = std::min(0.499f, bodies.coverage[i]);
   }
 }
 

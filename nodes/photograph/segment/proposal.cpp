@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/mosaic.h"
 #include "nodes/photograph/segment/color/two_materials.h"
 #include "nodes/photograph/segment/outline/contacts.h"
@@ -34,7 +35,7 @@ void Proposal::add_chosen(NetworkView::Found chosen) {
 }
 
 void Proposal::fill(int section, const Image& image, const NetworkView* judge, const Work& work) {
-  const std::size_t plane = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t plane = pixels_in(image.width, image.height);
   if (section == 0) {
     filled_ = {};
     filled_confidence_ = {};
@@ -94,7 +95,7 @@ double Proposal::left_out_by(const Proposal& other) const {
   double all = 0, out = 0;
   for (std::size_t i = 0; i < labels.ids.size(); ++i)
     if (const auto id = labels.ids[i]; id > 0) {
-      const double sure = confidence[static_cast<std::size_t>(id) - 1];
+      const double sure = confidence[id - 1];
       all += sure;
       if (other.labels.ids[i] == 0) out += sure;
     }

@@ -6,6 +6,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/data/equal_size.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/color_classes.h"
 #include "nodes/photograph/segment/color/delight.h"
 #include "nodes/photograph/segment/find.h"
@@ -24,7 +25,7 @@ constexpr double kBytesWhole = 370, kBytesTiled = 40, kBytesOfTile = 3.1e9;
 
 void check_image(const Image& image) {
   if (image.width <= 0 || image.height <= 0 || image.sections <= 0 ||
-      image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.sections)
+      image.pixels.size() != pixels_in(image.width, image.height) * image.sections)
     throw Error("empty-image", "the image has no pixels");
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     if (!image.pixels[i].allFinite())
@@ -102,7 +103,7 @@ void measure_scales(const Image& photo, Segmentation& s) {
 Segmentation segment(const Image& photo, const SegmentOptions& given, const Work& work) {
   check_image(photo);
   const bool tiled = needs_tiles(photo);
-  const auto pixels = static_cast<double>(photo.pixels.size());
+  const double pixels = photo.pixels.size();
   require_memory(tiled ? kBytesTiled * pixels + kBytesOfTile : kBytesWhole * pixels, given.memory,
                  "the segmentation of " + std::to_string(photo.width) + " × " + std::to_string(photo.height) +
                      " pixels");
@@ -162,7 +163,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   drop_labels(s, confidence, 0);
   if (s.labels.classes.empty()) throw Error("no-particles", "the labels contain no particles");
   std::vector<float> coverage;
-  const std::size_t size = static_cast<std::size_t>(image.width) * image.height;
+  const std::size_t size = pixels_in(image.width, image.height);
   for (int i = 0; i < labels.sections; ++i) {
     const auto first = s.labels.ids.begin() + (size * i);
     const auto share =

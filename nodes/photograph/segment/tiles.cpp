@@ -7,6 +7,7 @@
 #include <string>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/sharpness.h"
 
 namespace terrazzo::segment {
@@ -114,7 +115,7 @@ class TileJoiner {
   void each_pixel(const Tile& t, Use&& use) const {
     const int w = t.seen_right - t.seen_left, h = t.seen_bottom - t.seen_top;
     for (int y = 0; y < h; ++y)
-      for (int x = 0; x < w; ++x) use(x, y, static_cast<std::size_t>(y) * w + x, global(t, x, y));
+      for (int x = 0; x < w; ++x) use(x, y, pixel_at(x, y, w), global(t, x, y));
   }
 
   // Copies what is not particles from the core of the tile, and sums its particles.

@@ -36,10 +36,8 @@ template <class Shade>
 void lay(Canvas& c, const Board& board, double thickness, Shade&& shade) {
   const double reach = std::hypot(board.half_length, board.half_width);
   double along = 0, across = 0;
-  const int x0 = std::max(0, static_cast<int>(board.x - reach)),
-            x1 = std::min(c.width - 1, static_cast<int>(board.x + reach));
-  const int y0 = std::max(0, static_cast<int>(board.y - reach)),
-            y1 = std::min(c.height - 1, static_cast<int>(board.y + reach));
+  const int x0 = std::max<int>(0, board.x - reach), x1 = std::min<int>(c.width - 1, board.x + reach);
+  const int y0 = std::max<int>(0, board.y - reach), y1 = std::min<int>(c.height - 1, board.y + reach);
   std::vector<float> heights;
   for (int y = y0; y <= y1; y += 3)
     for (int x = x0; x <= x1; x += 3)

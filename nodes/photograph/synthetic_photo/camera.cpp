@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::synthetic_photo {
 namespace {
@@ -81,13 +82,12 @@ Picture expose(const Canvas& c, const std::vector<Vec3f>& radiance, bool gray, R
   Picture p;
   p.width = c.width / 2;
   p.height = c.height / 2;
-  p.pixels.resize(static_cast<std::size_t>(p.width) * p.height);
+  p.pixels.resize(pixels_in(p.width, p.height));
   for (int y = 0; y < p.height; ++y)
     for (int x = 0; x < p.width; ++x) {
       const Vec3f sum = light[c.at(2 * x, 2 * y)] + light[c.at(2 * x + 1, 2 * y)] +
                         light[c.at(2 * x, 2 * y + 1)] + light[c.at(2 * x + 1, 2 * y + 1)];
-      p.pixels[static_cast<std::size_t>(y) * p.width + x] =
-          linear_to_srgb((sum / 4).cwiseMax(0.0f).cwiseMin(1.0f));
+      p.pixels[pixel_at(x, y, p.width)] = linear_to_srgb((sum / 4).cwiseMax(0.0f).cwiseMin(1.0f));
     }
   return p;
 }

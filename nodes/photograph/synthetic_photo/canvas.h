@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 
 namespace terrazzo::synthetic_photo {
@@ -20,12 +21,12 @@ struct Canvas {
   Canvas(int w, int h)
       : width(w),
         height(h),
-        z(static_cast<std::size_t>(w) * h, 0.0f),
+        z(pixels_in(w, h), 0.0f),
         id(z.size(), 0),
         color(z.size(), Vec3f::Constant(0.2f)),
         gloss(z.size(), 0.0f),
         other(z.size(), 0) {}
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+  std::size_t at(int x, int y) const { return pixel_at(x, y, width); }
 };
 
 // Gaussian blur with clamped borders.

@@ -48,8 +48,7 @@ void chart(Canvas& c, Random& r) {
                                           static_cast<float>(r.uniform()))));
   lay(c, b, r.uniform(0, 8), [&](double along, double across) -> Vec3f {
     const double u = along + b.half_length, v = across + b.half_width;
-    const int i = std::clamp(static_cast<int>(u / cell), 0, columns - 1),
-              j = std::clamp(static_cast<int>(v / cell), 0, rows - 1);
+    const int i = std::clamp<int>(u / cell, 0, columns - 1), j = std::clamp<int>(v / cell, 0, rows - 1);
     const bool edge = u - i * cell < 2 || v - j * cell < 2;
     return edge ? Vec3f::Constant(0.03f) : colors[j * columns + i];
   });
@@ -65,7 +64,7 @@ void caption(Canvas& c, Random& r) {
   const double top = bar ? c.height - height : r.uniform() < 0.7 ? c.height - 2.5 * height : height;
   const double left = r.uniform(0.03, 0.6) * c.width;
   if (bar)
-    for (int y = static_cast<int>(top); y < c.height; ++y)
+    for (int y = top; y < c.height; ++y)
       for (int x = 0; x < c.width; ++x) {
         const std::size_t i = c.at(x, y);
         c.other[i] = 1;
@@ -80,9 +79,8 @@ void caption(Canvas& c, Random& r) {
   mask.rectangle(left, top + 0.75 * height, left + length, top + 0.75 * height + thick);
   mask.paint(picture, ink);
   if (!bar)
-    for (int y = static_cast<int>(top); y < std::min<double>(c.height, top + 0.75 * height + thick); ++y)
-      for (int x = static_cast<int>(left); x < std::min<double>(c.width, left + std::max(written, length));
-           ++x) {
+    for (int y = top; y < std::min<double>(c.height, top + 0.75 * height + thick); ++y)
+      for (int x = left; x < std::min<double>(c.width, left + std::max(written, length)); ++x) {
         const std::size_t i = c.at(x, y);
         const bool in_text = x < left + written && y < top + 0.1 * height + 1.2 * size,
                    in_bar = x < left + length && y >= top + 0.75 * height;

@@ -192,10 +192,8 @@ void drop_shapes(Canvas& c, double fill, const Sizes& sizes, const Family& famil
       pixels.clear();
       std::size_t taken = 0;
       const double reach = outline.reach * radius + warp;
-      for (int y = std::max(0, static_cast<int>(py - reach)); y <= std::min<double>(c.height - 1, py + reach);
-           ++y)
-        for (int x = std::max(0, static_cast<int>(px - reach));
-             x <= std::min<double>(c.width - 1, px + reach); ++x) {
+      for (int y = std::max<int>(0, py - reach); y <= std::min<double>(c.height - 1, py + reach); ++y)
+        for (int x = std::max<int>(0, px - reach); x <= std::min<double>(c.width - 1, px + reach); ++x) {
           double wx = x - px, wy = y - py;
           if (warp > 0) {
             wx += warp * noise(seed, Vec3(x, y, 0) / warp_size);
@@ -260,11 +258,10 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
       work.check();
       for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
       const std::size_t near = std::min(kNearest, order.size());
-      std::partial_sort(order.begin(), order.begin() + near, order.end(),
-                        [&](std::size_t a, std::size_t b) {
-                          return seeds[a].power(bx + kBlock / 2, by + kBlock / 2) <
-                                 seeds[b].power(bx + kBlock / 2, by + kBlock / 2);
-                        });
+      std::partial_sort(order.begin(), order.begin() + near, order.end(), [&](std::size_t a, std::size_t b) {
+        return seeds[a].power(bx + kBlock / 2, by + kBlock / 2) <
+               seeds[b].power(bx + kBlock / 2, by + kBlock / 2);
+      });
       for (int y = by; y < std::min(c.height, by + kBlock); ++y)
         for (int x = bx; x < std::min(c.width, bx + kBlock); ++x) {
           double wx = x, wy = y;
@@ -373,10 +370,8 @@ void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPal
     for (int pores = r.below(60); pores > 0; --pores) {
       const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), radius = r.uniform(1, 7);
       const float shade = r.uniform(0.05, 0.5);
-      for (int y = std::max(0, static_cast<int>(py - radius));
-           y <= std::min<double>(c.height - 1, py + radius); ++y)
-        for (int x = std::max(0, static_cast<int>(px - radius));
-             x <= std::min<double>(c.width - 1, px + radius); ++x)
+      for (int y = std::max<int>(0, py - radius); y <= std::min<double>(c.height - 1, py + radius); ++y)
+        for (int x = std::max<int>(0, px - radius); x <= std::min<double>(c.width - 1, px + radius); ++x)
           if (std::hypot(x - px, y - py) < radius) c.color[c.at(x, y)] *= shade;
     }
 }

@@ -21,10 +21,8 @@ void draw(Canvas& c, const Stone& stone, const Placed& at, const Texture* textur
           double mud, const Vec3f& mud_color, std::uint64_t mud_seed) {
   const double reach = stone.reach();
   const double scale = std::max(6.0, 0.7 * reach);
-  for (int y = std::max(0, static_cast<int>(at.y - reach)); y <= std::min<double>(c.height - 1, at.y + reach);
-       ++y)
-    for (int x = std::max(0, static_cast<int>(at.x - reach));
-         x <= std::min<double>(c.width - 1, at.x + reach); ++x) {
+  for (int y = std::max<int>(0, at.y - reach); y <= std::min<double>(c.height - 1, at.y + reach); ++y)
+    for (int x = std::max<int>(0, at.x - reach); x <= std::min<double>(c.width - 1, at.x + reach); ++x) {
       const double h = stone.top(x - at.x, y - at.y);
       if (std::isnan(h)) continue;
       const std::size_t i = c.at(x, y);
@@ -56,7 +54,7 @@ void scatter_clods(Canvas& c, Random& r, const Work& work) {
   StoneFamily family(r);
   family.bumps = r.uniform(0.05, 0.25);
   const double largest = r.uniform(6, 60);
-  for (int clods = static_cast<int>(r.uniform(2, 60 * 20 / largest)); clods > 0; --clods) {
+  for (int clods = r.uniform(2, 60 * 20 / largest); clods > 0; --clods) {
     work.check();
     const double radius = largest * r.uniform(0.3, 1);
     const Stone clod(r, family, radius);
@@ -84,7 +82,7 @@ void cover_feet(Canvas& c, const std::vector<float>& soil, const std::vector<Vec
       c.z[i] = level;
       if (c.id[i] == 0) continue;
       // A film shows what is below.
-      c.color[i] += std::min(1.0f, static_cast<float>(over / edge)) * (soil_color[i] - c.color[i]);
+      c.color[i] += std::min<float>(1.0f, over / edge) * (soil_color[i] - c.color[i]);
       if (over > 0.5 * edge) {
         c.id[i] = 0;
         c.gloss[i] = 0;
@@ -102,8 +100,8 @@ Footprint look_under(const Canvas& c, double x, double y, double radius) {
   int taken = 0;
   for (int k = 0; k < 25; ++k) {
     const double a = 2.399963 * k, d = radius * std::sqrt((k + 0.5) / 25);
-    const int px = std::clamp(static_cast<int>(x + d * std::cos(a)), 0, c.width - 1),
-              py = std::clamp(static_cast<int>(y + d * std::sin(a)), 0, c.height - 1);
+    const int px = std::clamp<int>(x + d * std::cos(a), 0, c.width - 1),
+              py = std::clamp<int>(y + d * std::sin(a), 0, c.height - 1);
     heights.push_back(c.z[c.at(px, py)]);
     taken += c.id[c.at(px, py)] > 0;
   }

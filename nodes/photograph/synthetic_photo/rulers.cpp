@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/synthetic_photo/board.h"
 
 namespace terrazzo::synthetic_photo {
@@ -26,7 +27,7 @@ struct Scale {
   std::uint64_t seed;
 
   bool marked(double along, double w) const {
-    const auto tick = static_cast<std::int64_t>(std::floor(along / step + 0.5));
+    const std::int64_t tick = std::floor(along / step + 0.5);
     const double length = tick % 10 == 0 ? 0.8 : tick % 5 == 0 ? 0.6 : 0.4;
     const bool on_tick = std::abs(along - tick * step) < line / 2;
     if (on_tick && (w < -1 + length || (both && w > 1 - length))) return true;
@@ -76,15 +77,15 @@ void add_ruler(Canvas& c, Random& r) {
   const double numbers = step * 10;
   lay(c, b, r.uniform(0, 10), [&](double along, double across) -> Vec3f {
     const double w = across / b.half_width;
-    if (blocks) return (static_cast<int>(std::floor(along / block)) + (w > 0)) % 2 == 0 ? back : mark;
-    const int tick = static_cast<int>(std::floor(along / step + 0.5));
+    if (blocks) return (round_down(along / block) + (w > 0)) % 2 == 0 ? back : mark;
+    const int tick = round_down(along / step + 0.5);
     const double length = tick % 10 == 0 ? 1.1 : tick % 5 == 0 ? 0.75 : 0.5;
     if (std::abs(along - tick * step) < line / 2 && w < -1 + length) return mark;
     // Digits: short strokes in a box beside each long tick.
     const double d = along - numbers * std::floor(along / numbers + 0.5);
     if (w > 0.1 && w < 0.75 && d > 2 && d < 0.9 * b.half_width + 2) {
       const int cell = static_cast<int>(d / 2.5) + 7 * static_cast<int>((w - 0.1) / 0.13) +
-                       31 * static_cast<int>(std::floor(along / numbers));
+                       31 * round_down(along / numbers);
       if (mix64(static_cast<std::uint64_t>(cell) + 17) % 5 < 2) return mark;
     }
     return back;

@@ -94,7 +94,7 @@ class Sand {
     const double dome = std::min(1.0, 2.5 * cell.edge);
     z += static_cast<float>(share * relief_ * (dome * (2 - dome) + 1.5 * cell.shade));
     if (kind < tinted_) {
-      const Vec3f& tint = tints_[static_cast<std::size_t>(kind / tinted_ * 2.999)];
+      const Vec3f& tint = tints_[kind / tinted_ * 2.999];
       color += share * strength_ * (tint - color);
     }
     color *= static_cast<float>(std::exp(share * contrast_ * (2 * cell.shade - 1)));
@@ -138,10 +138,8 @@ void dig(Canvas& c, Random& r) {
     const double px = r.uniform(0, c.width), py = r.uniform(0, c.height), size = r.uniform(6, mold ? 90 : 70),
                  depth = size * r.uniform(0.2, mold ? 0.7 : 1.8), ragged = mold ? 0.12 : 0.7;
     const std::uint64_t s = r.bits();
-    for (int y = std::max(0, static_cast<int>(py - 2 * size)); y < std::min<double>(c.height, py + 2 * size);
-         ++y)
-      for (int x = std::max(0, static_cast<int>(px - 2 * size)); x < std::min<double>(c.width, px + 2 * size);
-           ++x) {
+    for (int y = std::max<int>(0, py - 2 * size); y < std::min<double>(c.height, py + 2 * size); ++y)
+      for (int x = std::max<int>(0, px - 2 * size); x < std::min<double>(c.width, px + 2 * size); ++x) {
         const double d = std::hypot(x - px, y - py) / size + ragged * turbulence(s, Vec3(x, y, 0) / size, 2);
         if (d < 1) c.z[c.at(x, y)] -= static_cast<float>(depth * std::sqrt(std::max(0.0, 1 - d * d)));
       }

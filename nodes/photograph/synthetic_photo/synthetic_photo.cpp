@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/synthetic_photo/light.h"
 #include "nodes/photograph/synthetic_photo/objects.h"
 #include "nodes/photograph/synthetic_photo/plane_section.h"
@@ -55,7 +56,7 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
   one.other.resize(one.labels.size());
   for (int y = 0; y < options.height; ++y)
     for (int x = 0; x < options.width; ++x)
-      one.other[static_cast<std::size_t>(y) * options.width + x] = canvas.other[canvas.at(2 * x, 2 * y)];
+      one.other[pixel_at(x, y, options.width)] = canvas.other[canvas.at(2 * x, 2 * y)];
   develop(one.picture, gray, r);
   return one;
 }

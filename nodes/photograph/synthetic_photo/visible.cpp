@@ -4,13 +4,14 @@
 #include <array>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::synthetic_photo {
 namespace {
 
 // The particle in most of the four canvas pixels of each picture pixel.
 std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
-  std::vector<std::int32_t> out(static_cast<std::size_t>(width) * height);
+  std::vector<std::int32_t> out(pixels_in(width, height));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::array<std::int32_t, 4> v{c.id[c.at(2 * x, 2 * y)], c.id[c.at(2 * x + 1, 2 * y)],
@@ -22,7 +23,7 @@ std::vector<std::int32_t> halve(const Canvas& c, int width, int height) {
           most = count;
           best = id;
         }
-      out[static_cast<std::size_t>(y) * width + x] = best;
+      out[pixel_at(x, y, width)] = best;
     }
   return out;
 }
@@ -40,7 +41,7 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
   std::vector<std::int32_t> around(holes.count() + 1, 0);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
-      const std::int32_t hole = holes.ids[static_cast<std::size_t>(y) * w + x];
+      const std::int32_t hole = holes.ids[pixel_at(x, y, w)];
       if (hole == 0) continue;
       const auto meet = [&](int nx, int ny) {
         std::int32_t& one = around[hole];
@@ -104,8 +105,7 @@ void compare_borders(const Picture& clear, const std::vector<std::int32_t>& piec
                      std::vector<ShownPiece>& pieces) {
   const int w = clear.width, h = clear.height;
   const auto compare = [&](int x, int y, int dx, int dy) {
-    const std::size_t p = static_cast<std::size_t>(y) * w + x,
-                      q = static_cast<std::size_t>(y + dy) * w + x + dx;
+    const std::size_t p = pixel_at(x, y, w), q = pixel_at(x, y + dy, w) + dx;
     if (piece[p] == piece[q]) return;
     // Two pixels on either side, since the border itself is blurred.
     const int ax = std::clamp(x - dx, 0, w - 1), ay = std::clamp(y - dy, 0, h - 1),

@@ -323,7 +323,7 @@ class SceneReader {
       for (const int c : node.children) child[node_number(c)] = true;
     std::vector<int> out;
     for (std::size_t i = 0; i < child.size(); ++i)
-      if (!child[i]) out.push_back(static_cast<int>(i));
+      if (!child[i]) out.push_back(i);
     return out;
   }
   std::size_t node_number(int node) const {
@@ -369,7 +369,7 @@ class SceneReader {
     const bool mirrored = place.linear().determinant() < 0;
     for (const auto& t : triangles) {
       std::vector<int> polygon;
-      for (const std::size_t v : t) polygon.push_back(static_cast<int>(first + v));
+      for (const std::size_t v : t) polygon.push_back(first + v);
       if (mirrored) std::swap(polygon[1], polygon[2]);
       soup_.polygons.push_back(std::move(polygon));
     }

@@ -43,10 +43,10 @@ bool Words::next_line(char comment) {
 }
 
 std::string_view Words::word() {
-  constexpr std::string_view blanks = " \t\r\n\v\f";
-  const auto first = line_.find_first_not_of(blanks);
+  constexpr std::string_view kBlanks = " \t\r\n\v\f";
+  const auto first = line_.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return line_ = {};
-  const auto length = line_.substr(first).find_first_of(blanks);
+  const auto length = line_.substr(first).find_first_of(kBlanks);
   const auto found = line_.substr(first, length);
   line_ = length == std::string_view::npos ? std::string_view() : line_.substr(first + length);
   return found;

@@ -71,7 +71,7 @@ PolygonSoup read_off(std::string_view text) {
         w = words.word();
         if (w.empty())
           damaged(fmt::format("line {}: the face has {} of {} corners", words.line(), k, corners));
-        polygon.push_back(static_cast<int>(count(w, 2147483647, words.line(), "a vertex index")));
+        polygon.push_back(count(w, 2147483647, words.line(), "a vertex index"));
       }
       require_corners(soup.polygons.size(), polygon.size());
       soup.polygons.push_back(std::move(polygon));

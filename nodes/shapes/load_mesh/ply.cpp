@@ -204,7 +204,7 @@ std::vector<int> read_indices(const Element& element, std::uint64_t i, int least
       if (!(v >= least && v <= std::numeric_limits<int>::max() && v == std::floor(v)))
         throw Error("bad-mesh", fmt::format("{} {} refers to vertex {}", element.name, i, v),
                     "the file is damaged: export it again");
-      out.push_back(static_cast<int>(v));
+      out.push_back(v);
     }
   }
   if (!found) damaged(fmt::format("the element '{}' lacks the list vertex_indices", element.name));

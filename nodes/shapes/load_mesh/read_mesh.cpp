@@ -29,8 +29,8 @@ MeshReader format_of(const std::filesystem::path& path) {
 
 PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, std::string_view content,
                        const Reading& reading) {
-  constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-  if (content.starts_with(byte_order_mark)) content.remove_prefix(byte_order_mark.size());
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
   Reading named = reading;
   named.warn = [&](const std::string& message) { reading.warn(path.filename().string() + ": " + message); };
   try {

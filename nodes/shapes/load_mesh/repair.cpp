@@ -10,6 +10,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/load_mesh/fill.h"
 
 namespace terrazzo::load_mesh {
@@ -76,7 +77,7 @@ std::size_t orient(Mesh& mesh, const Work& work) {
     parts.emplace_back();
     agreed.push_back(true);
     std::vector<int> open{static_cast<int>(start)};
-    part[start] = static_cast<int>(parts.size()) - 1;
+    part[start] = count_of(parts) - 1;
     while (!open.empty()) {
       work.check();
       const int t = open.back();

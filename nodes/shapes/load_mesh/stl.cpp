@@ -5,6 +5,7 @@
 #include <cstring>
 #include <map>
 
+#include "nodes/data/indices.h"
 #include "nodes/shapes/load_mesh/formats.h"
 #include "nodes/shapes/load_mesh/mesh_text.h"
 
@@ -17,8 +18,7 @@ class Corners {
   explicit Corners(PolygonSoup& soup) : soup_(soup) {}
   int operator()(const Vec3& p) {
     // −0 + 0 is 0, so both become the same key.
-    const auto [it, fresh] =
-        at_.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(at_.size()));
+    const auto [it, fresh] = at_.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, count_of(at_));
     if (fresh) soup_.vertices.push_back(p);
     return it->second;
   }

@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/mesh/convex_polyhedron.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape {
@@ -40,7 +41,7 @@ ConvexPolyhedron fractured(const RockOptions& o, const Work& work) {
   }
   // Directions keep a minimum angle, smaller for more facets, so that faces stay large.
   double apart = std::sqrt(4 * std::numbers::pi / o.facets) * 0.75;
-  for (int tries = 0; static_cast<int>(planes.size()) < o.facets && tries < 400; ++tries) {
+  for (int tries = 0; count_of(planes) < o.facets && tries < 400; ++tries) {
     work.check();
     const Vec3 n = random_direction(r);
     const double offset = r.uniform(0.62, 0.95);

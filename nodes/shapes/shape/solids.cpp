@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/mesh/geodesic_sphere.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape/closed_form.h"
 
 namespace terrazzo::shape {
@@ -24,7 +25,7 @@ Mesh cube_grid(int n) {
   Mesh mesh;
   std::map<std::array<int, 3>, int> index;
   auto vertex = [&](std::array<int, 3> at) {
-    const auto [it, fresh] = index.try_emplace(at, static_cast<int>(mesh.vertices.size()));
+    const auto [it, fresh] = index.try_emplace(at, count_of(mesh.vertices));
     if (fresh) mesh.vertices.push_back(Vec3(at[0], at[1], at[2]) * (2.0 / n) - Vec3::Ones());
     return it->second;
   };

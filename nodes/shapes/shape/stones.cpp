@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/common/geometry/directions.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape/solids.h"
 #include "runtime/random.h"
 
@@ -46,7 +47,7 @@ void swell(Mesh& mesh, Random r, double sd, double shortest, double longest) {
 // Flattens the parts beyond each of `sides` planes to a hundredth of their height.
 void flatten(Mesh& mesh, Random r, int sides, double from, double to) {
   std::vector<Vec3> normals;
-  for (int tries = 0; static_cast<int>(normals.size()) < sides && tries < 1000; ++tries) {
+  for (int tries = 0; count_of(normals) < sides && tries < 1000; ++tries) {
     const Vec3 n = random_direction(r);
     if (std::all_of(normals.begin(), normals.end(), [&](const Vec3& m) { return m.dot(n) < 0.5; }))
       normals.push_back(n);

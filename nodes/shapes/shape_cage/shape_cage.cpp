@@ -16,6 +16,7 @@
 #include "nodes/common/geometry/mesh/aabb_tree.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
 #include "nodes/common/geometry/mesh/reduce.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::shape_cage {
 namespace {
@@ -60,7 +61,7 @@ class Surface {
   std::vector<T> limit(std::vector<T> at, const T& blank) const {
     const osd::Far::PrimvarRefinerReal<double> primvars(*refiner_);
     for (int l = 1; l <= refiner_->GetMaxLevel(); ++l) {
-      std::vector<T> next(static_cast<std::size_t>(refiner_->GetLevel(l).GetNumVertices()), blank);
+      std::vector<T> next(refiner_->GetLevel(l).GetNumVertices(), blank);
       primvars.Interpolate(l, at, next);
       at = std::move(next);
     }
@@ -123,8 +124,8 @@ Cage fit_cage(const Mesh& mesh, int vertices, int iterations, const Work& work) 
   std::vector<Weights> units;
   for (Eigen::Index v = 0; v < n; ++v) units.push_back({Eigen::VectorXd::Unit(n, v)});
   const auto rows = surface.limit(std::move(units), Weights{Eigen::VectorXd::Zero(n)});
-  Eigen::MatrixXd limits(static_cast<Eigen::Index>(rows.size()), n);
-  for (std::size_t r = 0; r < rows.size(); ++r) limits.row(static_cast<Eigen::Index>(r)) = rows[r].w;
+  Eigen::MatrixXd limits(rows.size(), n);
+  for (std::size_t r = 0; r < rows.size(); ++r) limits.row(r) = rows[r].w;
   const Eigen::MatrixXd square = limits.transpose() * limits + kSteady * Eigen::MatrixXd::Identity(n, n);
   const Eigen::LDLT<Eigen::MatrixXd> solver(square);
 
@@ -183,7 +184,7 @@ Move parse_move(const std::string& text) {
 
 void move_vertices(Mesh& control, const std::vector<Move>& moves) {
   for (const Move& m : moves) {
-    if (m.vertex >= static_cast<int>(control.vertices.size()))
+    if (m.vertex >= count_of(control.vertices))
       throw Error("bad-move",
                   fmt::format("vertex {} is to be moved, but the cage has vertices 0 to {}", m.vertex,
                               control.vertices.size() - 1),

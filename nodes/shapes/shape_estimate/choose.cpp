@@ -207,7 +207,7 @@ std::vector<Outline> outlines_by_id(const Profiles& profiles, const std::vector<
     if (id < 1 || id > static_cast<std::int64_t>(profiles.profiles.size()))
       throw Error("bad-profile", fmt::format("there is no profile {}", id),
                   fmt::format("use ids from 1 to {}", profiles.profiles.size()));
-    const auto& contour = profiles.profiles[static_cast<std::size_t>(id) - 1].contour;
+    const auto& contour = profiles.profiles[id - 1].contour;
     if (const auto fault = outline_fault(contour); !fault.empty())
       throw Error("bad-profile", fmt::format("profile {} cannot be used: {}", id, fault),
                   "choose another profile");

@@ -6,6 +6,7 @@
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/fit.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "nodes/shapes/shape_estimate/self_intersections.h"
@@ -39,7 +40,7 @@ const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const 
 
 [[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
   const bool no_outlines =
-      !profiles.profiles.empty() && candidates.without_contour == static_cast<int>(profiles.profiles.size());
+      !profiles.profiles.empty() && candidates.without_contour == count_of(profiles.profiles);
   throw Error("too-few-profiles",
               fmt::format("a shape needs {} profiles; of the {} given: {}", each, profiles.profiles.size(),
                           candidates.text()),
@@ -53,7 +54,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
               const CandidateOptions& options) {
   // The method that estimates all shapes together starts from several groups of profiles.
   const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
-  auto each = std::max(method.least, static_cast<std::size_t>(c.integer("profiles_per_shape")));
+  auto each = std::max<std::size_t>(method.least, c.integer("profiles_per_shape"));
   if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
   Chosen out;
@@ -87,14 +88,13 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
                 "list more profiles, or repeat one of them")
         .parameter("profiles");
   for (const auto id : ids)
-    if (profiles.profiles[static_cast<std::size_t>(id) - 1].touches_border)
+    if (profiles.profiles[id - 1].touches_border)
       c.warn(fmt::format("profile {} is cut by the border, so its outline is incomplete", id));
   out.by_id = true;
   out.same = outlines.size() < shapes * each || shapes == 1;
   for (std::size_t s = 0; s < shapes; ++s) {
     const auto from = outlines.begin() + (s * each);
-    out.shapes.push_back(out.same ? outlines
-                                  : std::vector<Outline>(from, from + static_cast<std::ptrdiff_t>(each)));
+    out.shapes.push_back(out.same ? outlines : std::vector<Outline>(from, from + each));
   }
   if (!out.same && outlines.size() > shapes * each)
     c.warn(fmt::format("the last {} of the {} profiles are not used", outlines.size() - shapes * each,

@@ -112,7 +112,7 @@ std::vector<std::pair<double, double>> FeatureTarget::along(const std::vector<Po
 }
 
 Eigen::VectorXd FeatureTarget::means_by_area(const std::vector<Point>& points, const FeatureSample& s) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kOutlineFeatures));
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(kOutlineFeatures);
   double total = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double w = s.weight[i] * s.root_area[i] * s.root_area[i];
@@ -129,7 +129,7 @@ double FeatureTarget::distance(const FeatureSample& s) const {
 Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (s.features.empty()) return {};
   constexpr Eigen::Index kEach = kQuantiles + 1;
-  constexpr auto kAll = static_cast<Eigen::Index>(kAxes + kDirections) * kEach;
+  constexpr Eigen::Index kAll = (kAxes + kDirections) * kEach;
   constexpr Eigen::Index kFeatures = kOutlineFeatures;
   Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + 2 * kFeatures);
   const auto points = standard(s);
@@ -144,14 +144,13 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (sizes_) {
     out.tail(kFeatures) = means_by_area(points, s) - observed_by_area_;
     for (std::size_t k = 0; k < kOutlineFeatures; ++k)
-      out[kAll + kFeatures + static_cast<Eigen::Index>(k)] *=
-          std::sqrt(kByArea * importance_[k] / importance);
+      out[kAll + kFeatures + k] *= std::sqrt(kByArea * importance_[k] / importance);
   }
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {
     const double weight = a < kAxes ? importance_[a] / importance : 1.0 / kDirections;
     if (weight == 0) continue;
     const auto sorted = along(points, s.weight, a);
-    const auto at = static_cast<Eigen::Index>(a) * kEach;
+    const Eigen::Index at = a * kEach;
     double shift = 0, reached = 0;
     std::size_t i = 0;
     for (std::size_t k = 0; k < kQuantiles; ++k) {
@@ -165,7 +164,7 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
       const double q = t < 0.5 ? below + 2 * t * (sorted[i].first - below)
                                : sorted[i].first + (2 * t - 1) * (above - sorted[i].first);
       const double d = std::clamp(q - quantiles_[a][k], -6.0, 6.0);
-      out[at + static_cast<Eigen::Index>(k)] = std::sqrt(weight / kQuantiles) * d;
+      out[at + k] = std::sqrt(weight / kQuantiles) * d;
       shift += d / kQuantiles;
     }
     // The quantile distance already contains the squared difference of means; means have three times the

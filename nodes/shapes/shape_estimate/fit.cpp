@@ -110,12 +110,11 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
   const Eigen::Index n = samples.size();
   const auto importance = target.importance();
   const auto& goal = target.observed_cumulative();
-  Eigen::MatrixXd a(static_cast<Eigen::Index>(goal.size()), n);
-  Eigen::VectorXd b(static_cast<Eigen::Index>(goal.size()));
+  Eigen::MatrixXd a(goal.size(), n);
+  Eigen::VectorXd b(goal.size());
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto f = target.cumulative(samples[k]);
-    for (std::size_t i = 0; i < goal.size(); ++i)
-      a(static_cast<Eigen::Index>(i), k) = std::sqrt(importance[i]) * f[i];
+    for (std::size_t i = 0; i < goal.size(); ++i) a(i, k) = std::sqrt(importance[i]) * f[i];
   }
   for (std::size_t i = 0; i < goal.size(); ++i) b[i] = std::sqrt(importance[i]) * goal[i];
   Eigen::MatrixXd h = a.transpose() * a;

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::shape_estimate {
 
@@ -75,7 +76,7 @@ std::vector<Vec2> resampled(const std::vector<Vec2>& p, std::size_t n) {
 // to preserve the area.
 std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
   const double step = length(p) / p.size();
-  const int n = p.size(), reach = std::min(n / 2, static_cast<int>(std::ceil(3 * sigma / step)));
+  const int n = p.size(), reach = std::min(n / 2, round_up(3 * sigma / step));
   std::vector<Vec2> out(p.size(), Vec2::Zero());
   for (int i = 0; i < n; ++i) {
     double weight = 0;
@@ -98,7 +99,7 @@ std::vector<Vec2> densified(const std::vector<Vec2>& p, double longest) {
   std::vector<Vec2> out;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const Vec2 d = p[(i + 1) % p.size()] - p[i];
-    const int parts = std::max(1, static_cast<int>(std::ceil(d.norm() / longest)));
+    const int parts = std::max(1, round_up(d.norm() / longest));
     for (int k = 0; k < parts; ++k) out.push_back(p[i] + d * (static_cast<double>(k) / parts));
   }
   return out;

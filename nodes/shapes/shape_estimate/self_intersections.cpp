@@ -47,7 +47,7 @@ std::int64_t self_intersections(const Mesh& mesh, const Work& work) {
     low = low.cwiseMin(v);
     high = high.cwiseMax(v);
   }
-  const int cells = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(n)) / 2), 1, 64);
+  const int cells = std::clamp<int>(std::sqrt(static_cast<double>(n)) / 2, 1, 64);
   const Vec3 step = ((high - low) / cells).cwiseMax(1e-300);
   struct Box {
     Vec3i low, high;

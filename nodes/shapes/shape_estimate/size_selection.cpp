@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::shape_estimate {
 
 namespace {
@@ -60,19 +62,19 @@ SizeSelection::SizeSelection(const std::vector<double>& root_area,
   const int n_sections = sections.share.size();
   // Profiles in classes above the limit.
   const int observed = std::clamp(static_cast<int>((top - limit) / kStep) + 1, 1, kClasses);
-  std::vector<double> count(static_cast<std::size_t>(observed), 0);
+  std::vector<double> count(observed, 0);
   for (const double v : root_area)
-    count[std::clamp(static_cast<int>((std::log(v) - limit) / kStep), 0, observed - 1)] += 1;
+    count[std::clamp<int>((std::log(v) - limit) / kStep, 0, observed - 1)] += 1;
   // A particle of class j, whose mean section is e^(lowest + j·kStep) times the limit, shows a profile of
   // class k by chance sections.share[k − j + shift].
-  const int below = static_cast<int>(std::ceil(-sections.first / kStep)),
+  const int below = round_up(-sections.first / kStep),
             above = n_sections - below;  // classes of sections below and above the mean
   const int sizes = observed + above;    // the smallest shows only its largest section
   const auto chance = [&](int j, int k) {
     const int s = k - (j - above) + below;
     return s >= 0 && s < n_sections ? sections.share[s] : 0.0;
   };
-  std::vector<double> visible(static_cast<std::size_t>(sizes), 0), seen(visible), next(visible);
+  std::vector<double> visible(sizes, 0), seen(visible), next(visible);
   for (int j = 0; j < sizes; ++j)
     for (int s = std::max(0, below - (j - above)); s < n_sections; ++s) visible[j] += sections.share[s];
   double start = 0;
@@ -96,11 +98,11 @@ SizeSelection::SizeSelection(const std::vector<double>& root_area,
     for (int j = 0; j < sizes; ++j) seen[j] = next[j] / total;
   }
   // Hits of particles by size, and how many of those show a section of a relative size above the limit.
-  std::vector<double> hits(static_cast<std::size_t>(sizes), 0);
+  std::vector<double> hits(sizes, 0);
   for (int j = 0; j < sizes; ++j)
     if (visible[j] >= kLeastSeen) hits[j] = seen[j] / visible[j];
   first_ = -(observed + kClasses) * kStep;
-  seen_.assign(static_cast<std::size_t>(std::lround((2.0 - first_) / kStep)), 0);
+  seen_.assign(std::lround((2.0 - first_) / kStep), 0);
   for (std::size_t i = 0; i < seen_.size(); ++i) {
     const double relative = first_ + i * kStep;
     for (int j = 0; j < sizes; ++j) {
@@ -127,7 +129,7 @@ void SizeSelection::apply(std::vector<CutProfile>& sections) const {
   }
   const double mean = mean_root_area(sections), last = static_cast<double>(seen_.size()) - 1;
   const auto seen_at = [&](double at) {
-    const auto k = std::min(static_cast<std::size_t>(at), seen_.size() - 2);
+    const auto k = std::min<std::size_t>(at, seen_.size() - 2);
     const double t = at - k;
     return (1 - t) * seen_[k] + t * seen_[k + 1];
   };

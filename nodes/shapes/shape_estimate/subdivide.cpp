@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::shape_estimate {
 
@@ -25,7 +26,7 @@ class Surface {
   Surface(const ControlMesh& mesh, int level) : level_(level) {
     std::vector<int> counts, corners, pairs;
     for (const auto& f : mesh.faces) {
-      counts.push_back(static_cast<int>(f.size()));
+      counts.push_back(count_of(f));
       corners.insert(corners.end(), f.begin(), f.end());
     }
     for (const auto& e : mesh.crease_edges) pairs.insert(pairs.end(), e.begin(), e.end());
@@ -52,7 +53,7 @@ class Surface {
     const osd::Far::PrimvarRefinerReal<double> primvars(*refiner_);
     std::vector<Point> at = control;
     for (int l = 1; l <= refiner_->GetMaxLevel(); ++l) {
-      std::vector<Point> next(static_cast<std::size_t>(refiner_->GetLevel(l).GetNumVertices()));
+      std::vector<Point> next(refiner_->GetLevel(l).GetNumVertices());
       primvars.Interpolate(l, at, next);
       at = std::move(next);
     }

@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/plot/plot.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::shape_metrics {
 
@@ -42,7 +43,7 @@ void add(Sums& s, const Loop& loop, const OutlineMeasuring& how) {
     s.square[k] += f.values[k] * f.values[k];
   }
   for (const double c : outline_curvature(resampled_loop(loop, how.points))) {
-    const int bin = static_cast<int>(std::floor((c - kCurvatureFrom) / kCurvatureStep));
+    const int bin = round_down((c - kCurvatureFrom) / kCurvatureStep);
     s.curvature[std::clamp(bin, 0, kCurvatureBins - 1)] += 1.0 / how.points;
   }
 }
@@ -87,7 +88,7 @@ Plot curvatures(const std::vector<MetricsRow>& rows, bool central) {
 
 }  // namespace
 
-SectionSummary summarize(const Shapes& shapes, SectionKind kind, const MetricsChoice& choice,
+SectionSummary summarize(const Shapes& shapes, SectionKind kind, const MetricsOptions& choice,
                          const Work& work) {
   Sums all;
   for (std::size_t first = 0; first < choice.sections; first += kBatch) {

@@ -26,14 +26,14 @@ struct SectionSummary {
   std::array<double, kCurvatureBins> curvature{};  // share of the length of the outlines
 };
 
-struct MetricsChoice {
+struct MetricsOptions {
   std::size_t sections = 10000;  // number of each kind
   std::uint64_t seed = 1;
   OutlineMeasuring measuring;
 };
 
 // Throws Error "no-profile" if no section has an area.
-SectionSummary summarize(const Shapes&, SectionKind, const MetricsChoice&, const Work& = {});
+SectionSummary summarize(const Shapes&, SectionKind, const MetricsOptions&, const Work& = {});
 
 struct MetricsRow {
   std::string name;

@@ -55,7 +55,7 @@ std::vector<Population> populations(const Context& c) {
 }
 
 void compute(Context& c) {
-  MetricsChoice choice;
+  MetricsOptions choice;
   choice.sections = c.integer("sections");
   choice.seed = c.seed();
   choice.measuring.points = c.integer("points");

@@ -4,6 +4,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_sections/sections.h"
 #include "nodes/shapes/shape_sections/views.h"
 #include "runtime/context.h"
@@ -34,7 +35,7 @@ void compute(Context& c) {
   if (!(extent > 0)) throw Error("no-section", "no section of the shapes has an area", "check the shapes");
   const int columns = c.keyword("columns").empty()
                           ? static_cast<int>(c.integer("columns"))
-                          : static_cast<int>(std::ceil(std::sqrt(static_cast<double>(sections.size()))));
+                          : round_up(std::sqrt(static_cast<double>(sections.size())));
   const int cell = c.integer("cell");
   constexpr double kMost = 64e6;
   const double pixels =

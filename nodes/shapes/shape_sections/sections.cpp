@@ -6,6 +6,7 @@
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/principal_axes.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_sections/views.h"
 
 namespace terrazzo::shape_sections {
@@ -70,10 +71,9 @@ void cover_row(const BodySection& section, const Vec2& center, double scale, int
         }
     std::sort(at.begin(), at.end());
     for (std::size_t i = 0; i + 1 < at.size(); i += 2) {
-      const double from = std::clamp(at[i], 0.0, static_cast<double>(cell)),
-                   to = std::clamp(at[i + 1], 0.0, static_cast<double>(cell));
-      for (int x = static_cast<int>(from); x < cell && x < to; ++x)
-        cover[x] += std::max(0.0, std::min(to, x + 1.0) - std::max(from, static_cast<double>(x))) / kRows;
+      const double from = std::clamp<double>(at[i], 0.0, cell), to = std::clamp<double>(at[i + 1], 0.0, cell);
+      for (int x = from; x < cell && x < to; ++x)
+        cover[x] += std::max(0.0, std::min(to, x + 1.0) - std::max<double>(from, x)) / kRows;
     }
   }
 }
@@ -115,7 +115,7 @@ double largest_extent(const std::vector<BodySection>& sections) {
 
 Profiles profiles_of(const std::vector<BodySection>& sections, int columns, double pitch) {
   Profiles out;
-  const int rows = (static_cast<int>(sections.size()) + columns - 1) / columns;
+  const int rows = (count_of(sections) + columns - 1) / columns;
   out.window = pitch * Vec2(columns, rows);
   out.observed_area = out.window.prod();
   for (std::size_t i = 0; i < sections.size(); ++i) {
@@ -137,10 +137,10 @@ Profiles profiles_of(const std::vector<BodySection>& sections, int columns, doub
 
 Image picture_of(const std::vector<BodySection>& sections, int columns, int cell, double pixels_per_mm,
                  const Work& work) {
-  const int rows = (static_cast<int>(sections.size()) + columns - 1) / columns;
+  const int rows = (count_of(sections) + columns - 1) / columns;
   Image image(columns * cell, rows * cell, 1, 1 / pixels_per_mm, Vec3f::Ones());
   work.parallel(sections.size(), 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<double> cover(static_cast<std::size_t>(cell));
+    std::vector<double> cover(cell);
     for (std::size_t i = begin; i < end; ++i) {
       if (sections[i].empty()) continue;
       const Vec2 center = Extent(sections[i]).center();

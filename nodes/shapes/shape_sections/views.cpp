@@ -6,6 +6,7 @@
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/render_mesh.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::shape_sections {
 
@@ -34,10 +35,10 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
     const Vec3 &a = at[i], &b = at[j], &c = at[k];
     const double area = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
     if (area >= 0) continue;  // y points down: triangles that face the viewer are clockwise
-    const int x0 = std::max(0, static_cast<int>(std::min({a.x(), b.x(), c.x()}))),
-              x1 = std::min(n - 1, static_cast<int>(std::max({a.x(), b.x(), c.x()}))),
-              y0 = std::max(0, static_cast<int>(std::min({a.y(), b.y(), c.y()}))),
-              y1 = std::min(n - 1, static_cast<int>(std::max({a.y(), b.y(), c.y()})));
+    const int x0 = std::max<int>(0, std::min({a.x(), b.x(), c.x()})),
+              x1 = std::min<int>(n - 1, std::max({a.x(), b.x(), c.x()})),
+              y0 = std::max<int>(0, std::min({a.y(), b.y(), c.y()})),
+              y1 = std::min<int>(n - 1, std::max({a.y(), b.y(), c.y()}));
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
         const double px = x + 0.5, py = y + 0.5;
@@ -45,7 +46,7 @@ void draw_view(const RenderMesh& mesh, const Mat3& view, double scale, int cell,
                      v = ((c.x() - px) * (a.y() - py) - (c.y() - py) * (a.x() - px)) / area, w = 1 - u - v;
         if (u < 0 || v < 0 || w < 0) continue;
         const float z = u * a.z() + v * b.z() + w * c.z();
-        const std::size_t pixel = static_cast<std::size_t>(y) * n + x;
+        const std::size_t pixel = pixel_at(x, y, n);
         if (z <= depth[pixel]) continue;
         depth[pixel] = z;
         shade[pixel] = u * light[i] + v * light[j] + w * light[k];

@@ -5,6 +5,7 @@
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/profile_sweep.h"
+#include "nodes/data/indices.h"
 #include "nodes/sizes/kmatrix/grid_sweep.h"
 #include "nodes/sizes/kmatrix/section_statistics.h"
 
@@ -45,7 +46,7 @@ void add_monotone(Histogram& out, double thickness, double t0, double t1, double
   const bool rising = area1 >= area0;
   const auto bin = [&](double area) {
     const double s = std::sqrt(std::max(0.0, area) / max_area) * kSectionBins;
-    return std::clamp(static_cast<int>(std::ceil(s)) - 1, 0, kSectionBins - 1);
+    return std::clamp(round_up(s) - 1, 0, kSectionBins - 1);
   };
   int k = bin(rising ? area0 : area1);
   const int last = bin(rising ? area1 : area0);

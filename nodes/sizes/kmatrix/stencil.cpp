@@ -6,6 +6,7 @@
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/geometry/disjoint_sets.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 #include "nodes/sizes/kmatrix/section_statistics.h"
 #include "nodes/sizes/kmatrix/stencil_slicer.h"
 #include "runtime/random.h"
@@ -64,18 +65,18 @@ struct Body {
 // Number of pixels of each disjoint profile in a tile.
 std::vector<std::int64_t> profiles_of(const StencilSlicer& slicer, int slice, const Body& body) {
   const bool convex = body.convex;
-  constexpr int n = StencilSlicer::kTile;
+  constexpr int kN = StencilSlicer::kTile;
   std::int64_t inside = 0;
-  std::vector<std::int32_t> raster(convex ? 0 : static_cast<std::size_t>(n) * n);
-  for (int y = 0; y < n; ++y) {
+  std::vector<std::int32_t> raster(convex ? 0 : static_cast<std::size_t>(kN) * kN);
+  for (int y = 0; y < kN; ++y) {
     const std::uint8_t* row = slicer.row(slice, y);
-    for (int x = 0; x < n; ++x) inside += row[x] & 1;
+    for (int x = 0; x < kN; ++x) inside += row[x] & 1;
     if (!convex)
-      for (int x = 0; x < n; ++x) raster[static_cast<std::size_t>(y) * n + x] = row[x] & 1;
+      for (int x = 0; x < kN; ++x) raster[pixel_at(x, y, kN)] = row[x] & 1;
   }
   if (inside == 0 && !body.one_piece) return {};
   if (convex || inside == 0) return {inside};  // the plane meets the body, possibly between pixels
-  std::vector<std::int64_t> sizes = connected_components(raster, n, n, true).sizes;
+  std::vector<std::int64_t> sizes = connected_components(raster, kN, kN, true).sizes;
   const std::int64_t most = *std::max_element(sizes.begin(), sizes.end());
   std::erase_if(sizes, [most](std::int64_t s) { return s < kSpeck && s < most; });
   return sizes;
@@ -94,7 +95,7 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
   double width = 0;
   for (std::size_t begin = 0; begin < count; begin += StencilSlicer::kSlices) {
     work.check();
-    work.progress(static_cast<double>(begin) / count);
+    work.done(begin, count);
     const std::size_t n = std::min<std::size_t>(StencilSlicer::kSlices, count - begin);
     std::vector<SlicePlane> planes;
     std::vector<double> widths;
@@ -111,7 +112,7 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
       width += widths[i];
       for (const std::int64_t pixels : found[i]) {
         const double s = std::sqrt(pixels * slicer.pixel_area() / shape.max_section_area);
-        const int bin = std::clamp(static_cast<int>(std::ceil(s * kSectionBins)) - 1, 0, kSectionBins - 1);
+        const int bin = std::clamp(round_up(s * kSectionBins) - 1, 0, kSectionBins - 1);
         sum[bin] += widths[i];
       }
       if (begin + i + 1 == count / 2) half = sum;

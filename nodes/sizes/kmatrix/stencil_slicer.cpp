@@ -74,16 +74,15 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
   gl.GenBuffers(3, buffers);
   std::vector<float> positions;
   for (const Vec3& v : mesh.vertices)
-    for (int k = 0; k < 3; ++k) positions.push_back(static_cast<float>(v[k]));
+    for (int k = 0; k < 3; ++k) positions.push_back(v[k]);
   gl.BindBuffer(GL_ARRAY_BUFFER, buffers[0]);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size() * sizeof(float)), positions.data(),
-                GL_STATIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, positions.size() * sizeof(float), positions.data(), GL_STATIC_DRAW);
   gl.EnableVertexAttribArray(0);
   gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, nullptr);
   gl.indices = 3 * mesh.triangles.size();
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.triangles.size() * sizeof(Triangle)),
-                mesh.triangles.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, mesh.triangles.size() * sizeof(Triangle), mesh.triangles.data(),
+                GL_STATIC_DRAW);
   gl.instances = buffers[2];
   gl.BindBuffer(GL_ARRAY_BUFFER, gl.instances);
   for (const GLuint at : {1u, 2u}) {
@@ -124,11 +123,9 @@ void StencilSlicer::draw(const std::vector<SlicePlane>& planes) {
                           static_cast<float>(p.rotation.z()), static_cast<float>(p.rotation.w())},
                          static_cast<float>(p.depth)});
   gl.BindBuffer(GL_ARRAY_BUFFER, gl.instances);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(instances.size() * sizeof(Instance)),
-                instances.data(), GL_STREAM_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, instances.size() * sizeof(Instance), instances.data(), GL_STREAM_DRAW);
   gl.Clear(GL_STENCIL_BUFFER_BIT);
-  gl.DrawElementsInstanced(GL_TRIANGLES, gl.indices, GL_UNSIGNED_INT, nullptr,
-                           static_cast<GLsizei>(instances.size()));
+  gl.DrawElementsInstanced(GL_TRIANGLES, gl.indices, GL_UNSIGNED_INT, nullptr, instances.size());
   const GLsizei side = kColumns * kTile;
   gl.ReadPixels(0, 0, side, side, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil_.data());
   if (const GLenum code = gl.GetError(); code != GL_NO_ERROR)

@@ -27,9 +27,7 @@ KMatrix::Entry entry_of(const JsonObject& o, int classes) {
   for (const Json& row : rows) o.require_size("K", row, n);
   e.K.resize(classes, classes);
   for (int i = 0; i < classes; ++i)
-    for (int j = 0; j < classes; ++j)
-      e.K(i, j) = o.number_in("K", rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)], 0,
-                              JsonObject::kLargest);
+    for (int j = 0; j < classes; ++j) e.K(i, j) = o.number_in("K", rows[i][j], 0, JsonObject::kLargest);
   e.cdf = o.numbers("cdf", 0, 1 + kTolerance);
   if (e.cdf.size() < 2 || !std::is_sorted(e.cdf.begin(), e.cdf.end()) || e.cdf.back() < 1 - kTolerance)
     o.fail("the field cdf must have at least two numbers that ascend to 1");

@@ -19,10 +19,10 @@ std::string simplified(std::string_view text) {
   std::string out(text);
   for (char& c : out)
     if (c >= 'A' && c <= 'Z') c = c - 'A' + 'a';
-  static constexpr std::pair<std::string_view, std::string_view> signs[] = {
+  static constexpr std::pair<std::string_view, std::string_view> kSigns[] = {
       {"µ", "u"},        {"μ", "u"},        {"Μ", "u"}, {"²", "2"},     {"³", "3"},
       {"Å", "angstrom"}, {"å", "angstrom"}, {"×", "x"}, {"\u00a0", " "}};
-  for (const auto& [sign, by] : signs) replace_all(out, sign, by);
+  for (const auto& [sign, by] : kSigns) replace_all(out, sign, by);
   return out;
 }
 

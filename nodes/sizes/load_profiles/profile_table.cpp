@@ -162,12 +162,12 @@ Profiles read_profiles(const std::string& text, const std::string& file,
     out.profiles.push_back(std::move(p));
   }
   if (const auto& left_out = table.statistics(); !left_out.empty()) {
-    constexpr std::size_t most = 8;
+    constexpr std::size_t kMost = 8;
     std::string list;
-    for (std::size_t i = 0; i < std::min(left_out.size(), most); ++i)
+    for (std::size_t i = 0; i < std::min(left_out.size(), kMost); ++i)
       list += (i > 0 ? ", " : "") + left_out[i];
     warn(fmt::format("'{}': {} rows are statistics, not profiles, and are left out: {}{}", short_name,
-                     left_out.size(), list, left_out.size() > most ? ", …" : ""));
+                     left_out.size(), list, left_out.size() > kMost ? ", …" : ""));
   }
   if (out.profiles.empty())
     throw Error("no-particles", "'" + file + "' contains no rows below its header").parameter("path");

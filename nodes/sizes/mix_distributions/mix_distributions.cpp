@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::mix_distributions {
 namespace {
@@ -25,7 +26,7 @@ void check(const SizeDistribution& d, const Shapes& shapes, std::size_t number) 
   for (const auto& e : d.shapes) {
     if (e.N_V.size() != d.classes() || e.low.size() != d.classes() || e.high.size() != d.classes())
       bad("has an entry with another number of classes");
-    if (e.shape < -1 || e.shape >= static_cast<int>(shapes.shapes.size()))
+    if (e.shape < -1 || e.shape >= count_of(shapes.shapes))
       bad(fmt::format("refers to shape {} of {}", e.shape, shapes.shapes.size()));
     if (e.cls < 0) bad("has a negative class");
     for (const double v : e.N_V) {

@@ -40,7 +40,7 @@ double Likeness::operator()(double shape_size, double particle_size) const {
   if (normal_.empty()) return 1;
   const double at = std::clamp(std::log(particle_size), low_, high_);
   const double u = (at - low_) / (high_ - low_) * kNodes;
-  const auto i = std::min(static_cast<std::size_t>(u), kNodes - 1);
+  const auto i = std::min<std::size_t>(u, kNodes - 1);
   const double f = u - i, normal = (1 - f) * normal_[i] + f * normal_[i + 1];
   return gaussian((at - std::log(shape_size)) / kDeviation) / normal;
 }

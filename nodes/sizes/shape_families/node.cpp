@@ -103,7 +103,7 @@ void warn_of_disagreement(Context& c, const std::vector<Family>& families, const
 
 void compute(Context& c) {
   const std::vector<Family> families = families_of(c);
-  ScoreSettings s;
+  ScoreOptions s;
   s.folds = c.integer("folds");
   s.sections = c.integer("sections");
   if (const auto v = c.optional_number("smallest_visible")) s.smallest_visible = *v;

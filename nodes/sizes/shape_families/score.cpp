@@ -147,7 +147,7 @@ unfolding::Observation without(const unfolding::Observation& all, const std::vec
 }
 
 Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
-                    const std::vector<Predicted>& profiles, const Spread& all, const ScoreSettings& s,
+                    const std::vector<Predicted>& profiles, const Spread& all, const ScoreOptions& s,
                     const Work& work) {
   const unfolding::Observation& q = full.observations.classes.front();
   const unfolding::EmModel model = unfolding::make_em_model(*family.kmatrix, full.model);
@@ -164,7 +164,7 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
     const VectorXd seen = model.fine * fit.density;
     SizeDensity particles{model.sizes, fit.density};
     for (Eigen::Index j = 0; j < fit.density.size(); ++j)
-      particles.density[j] /= model.sizes[static_cast<std::size_t>(j) + 1] - model.sizes[j];
+      particles.density[j] /= model.sizes[j + 1] - model.sizes[j];
     work.part(at(0.6), at(1)).parallel(profiles.size(), 16, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const Predicted& p = profiles[i];
@@ -173,7 +173,7 @@ Predictions predict(const Family& family, const unfolding::UnfoldResult& full,
         const auto k = std::upper_bound(model.profiles.begin(), model.profiles.end(), p.size) -
                        model.profiles.begin() - 1;
         const auto bin = std::clamp<std::ptrdiff_t>(k, 0, seen.size() - 1);
-        const double width = model.profiles[static_cast<std::size_t>(bin) + 1] - model.profiles[bin];
+        const double width = model.profiles[bin + 1] - model.profiles[bin];
         out.size[i] = std::log((1 - kAnySize) * seen[bin] / (seen.sum() * width) + kAnySize / range);
         if (p.outline)
           out.outline[i] = std::log((1 - kAnyOutline) * outlines.at(p.size, *p.outline, particles) +
@@ -244,7 +244,7 @@ void compare(Scores& scores, const std::vector<Predictions>& predictions,
 
 }  // namespace
 
-Scores score_families(const Profiles& profiles, const std::vector<Family>& families, const ScoreSettings& s,
+Scores score_families(const Profiles& profiles, const std::vector<Family>& families, const ScoreOptions& s,
                       const Work& work) {
   for (const Family& f : families)
     if (f.shapes->shapes.size() != f.kmatrix->shapes.size())

@@ -18,7 +18,7 @@ struct Family {
   const KMatrix* kmatrix = nullptr;  // of these shapes
 };
 
-struct ScoreSettings {
+struct ScoreOptions {
   int folds = 5;                 // each profile is predicted from the other folds
   std::size_t sections = 3000;   // of each family, whose outlines are measured
   double smallest_visible = -1;  // mm, as in Unfold; < 0: the smallest profile
@@ -52,6 +52,6 @@ struct Scores {
 // 1979: predictive sample reuse). A twentieth of the probability goes to outlines of any kind, a hundredth to
 // sizes of any kind, so that a few wrong profiles do not decide. Color classes are pooled. Throws Error
 // "wrong-count" if a K matrix has other shapes, "too-few-profiles", and the errors of Unfold.
-Scores score_families(const Profiles&, const std::vector<Family>&, const ScoreSettings&, const Work&);
+Scores score_families(const Profiles&, const std::vector<Family>&, const ScoreOptions&, const Work&);
 
 }  // namespace terrazzo::shape_families

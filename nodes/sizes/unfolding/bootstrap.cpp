@@ -19,7 +19,7 @@ int poisson_1(Random& random) {
 double quantile(std::vector<double>& values, double q) {
   std::sort(values.begin(), values.end());
   const double at = q * (values.size() - 1);
-  const auto i = static_cast<std::size_t>(at);
+  const std::size_t i = at;
   const std::size_t j = std::min(i + 1, values.size() - 1);
   return values[i] + (at - i) * (values[j] - values[i]);
 }

@@ -58,8 +58,7 @@ Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profil
                              const std::vector<double>& size_edges, bool upper_edge) {
   double total = 0;
   for (const auto& e : k.shapes) total += e.probability;
-  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(profile_edges.size()) - 1,
-                                            static_cast<Eigen::Index>(size_edges.size()) - 1);
+  Eigen::MatrixXd m = Eigen::MatrixXd::Zero(profile_edges.size() - 1, size_edges.size() - 1);
   for (const auto& e : k.shapes) {
     if (!(e.probability > 0)) continue;
     const double caliper = e.mean_caliper / size_of(e) * size_edges.back();
@@ -112,7 +111,7 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
 
 Counts count(const std::vector<double>& sizes, const std::vector<double>& weights,
              const std::vector<double>& edges) {
-  const auto n = static_cast<Eigen::Index>(edges.size()) - 1;
+  const Eigen::Index n = edges.size() - 1;
   Counts c{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     // Classes are (lower, upper], as in the paper; the first includes its lower edge too.

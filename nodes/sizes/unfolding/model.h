@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/kmatrix.h"
 
 namespace terrazzo::unfolding {
@@ -20,7 +21,7 @@ struct UnfoldModel {
   Eigen::VectorXd volume;             // mean volume of a particle of each visible class, mm³
   bool upper_edge = false;            // sizes at the upper edge of their class rather than uniform
 
-  int classes() const { return static_cast<int>(edges.size()) - 1; }
+  int classes() const { return count_of(edges) - 1; }
   int visible() const { return classes() - first; }
 };
 

@@ -22,8 +22,8 @@ Eigen::VectorXd nnls(const Eigen::MatrixXd& A_in, const Eigen::VectorXd& b) {
     std::vector<Eigen::Index> columns;
     for (Eigen::Index j = 0; j < n; ++j)
       if (free[j]) columns.push_back(j);
-    Eigen::MatrixXd F(A.rows(), static_cast<Eigen::Index>(columns.size()));
-    for (std::size_t k = 0; k < columns.size(); ++k) F.col(static_cast<Eigen::Index>(k)) = A.col(columns[k]);
+    Eigen::MatrixXd F(A.rows(), columns.size());
+    for (std::size_t k = 0; k < columns.size(); ++k) F.col(k) = A.col(columns[k]);
     const Eigen::VectorXd y = F.colPivHouseholderQr().solve(b);
     Eigen::VectorXd z = Eigen::VectorXd::Zero(n);
     for (std::size_t k = 0; k < columns.size(); ++k) z[columns[k]] = y[k];

@@ -63,7 +63,7 @@ std::vector<char> may_be_empty(const Eigen::MatrixXd& A, const VectorXd& counts,
   const Likelihood f(A, counts);
   VectorXd x = start;
   const double most = f.climb(x, std::numeric_limits<double>::infinity(), work);
-  std::vector<char> empty(static_cast<std::size_t>(1 + *std::max_element(cls.begin(), cls.end())));
+  std::vector<char> empty(1 + *std::max_element(cls.begin(), cls.end()));
   for (std::size_t c = 0; c < empty.size(); ++c) {
     VectorXd without = x + 1e-3 * start;  // EM never leaves zero, so the other bins must start above it
     for (std::size_t j = 0; j < cls.size(); ++j)

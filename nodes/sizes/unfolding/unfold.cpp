@@ -75,7 +75,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
         return solve_inverse(m, again.sum / o.area).cwiseMax(0);
       },
       work.part(0.3, 1));
-  std::vector<char> empty(static_cast<std::size_t>(m.visible()), false);
+  std::vector<char> empty(m.visible(), false);
   if (em_model) empty = may_be_empty(*em_model, em, q, o.area, work);
   for (int j = 0; j < m.visible(); ++j) {
     auto& low = out.intervals.low[j];
@@ -97,7 +97,7 @@ void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, 
     SizeDistribution::Entry e;
     e.shape = s;
     e.cls = c;
-    e.N_V.assign(static_cast<std::size_t>(m.classes()), 0);
+    e.N_V.assign(m.classes(), 0);
     for (int j = 0; j < m.visible(); ++j) e.N_V[m.first + j] = share * f.fit.density[j];
     e.low = e.high = e.N_V;
     for (std::size_t j = 0; j < f.intervals.low.size(); ++j) {
@@ -231,7 +231,7 @@ bool depends_on_class(const KMatrix& k, Types types) {
 }
 
 int classes_for(std::size_t profiles) {
-  return std::max(2, static_cast<int>(2 * std::cbrt(static_cast<double>(profiles))));
+  return std::max<int>(2, 2 * std::cbrt(static_cast<double>(profiles)));
 }
 
 UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOptions& options,

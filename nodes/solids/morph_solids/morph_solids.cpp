@@ -3,7 +3,7 @@
 namespace terrazzo::morph_solids {
 
 patch_fill::FillResult morph(const Torus<Vec3f>& a, const Torus<Vec3f>& b, const Torus<float>& weight,
-                             const patch_fill::FillSettings& settings, const Work& work) {
+                             const patch_fill::FillOptions& settings, const Work& work) {
   patch_fill::FillProblem problem{a, b, weight, a, Torus<float>(a.size, 1)};
   for (std::size_t i = 0; i < weight.at.size(); ++i) {
     if (weight.at[i] >= 1) problem.known.at[i] = b.at[i];

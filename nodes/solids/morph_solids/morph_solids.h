@@ -11,6 +11,6 @@ using patch_fill::Torus;
 // the share of `b` at each voxel, 0 to 1. Voxels of weight 0 and 1 are those of a and b, bit for bit. Throws
 // Error "one-color".
 patch_fill::FillResult morph(const Torus<Vec3f>& a, const Torus<Vec3f>& b, const Torus<float>& weight,
-                             const patch_fill::FillSettings&, const Work&);
+                             const patch_fill::FillOptions&, const Work&);
 
 }  // namespace terrazzo::morph_solids

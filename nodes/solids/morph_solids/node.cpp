@@ -75,7 +75,7 @@ void compute(Context& c) {
   require_memory(fill_memory(box.size), c.memory(), "the solid between");
   const Volume* weights = c.optional<Volume>("weights");
   const Torus<float> weight = weights ? weight_of(*weights, c.text("grid"), box) : weight_of(c, box.size);
-  FillSettings s;
+  FillOptions s;
   s.iterations.clear();
   for (const auto n : c.ints("iterations")) s.iterations.push_back(static_cast<int>(n));
   s.exponent = c.number("exponent");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/matching/cover.h"
 
 namespace terrazzo::patch_fill {
@@ -31,7 +32,7 @@ std::vector<float> weights_of(const Matches& matches, const MatchLevel& level, d
 }  // namespace
 
 void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>& matches,
-           const Torus<float>& weight, const Torus<float>& free, const BlendChoice& choice,
+           const Torus<float>& weight, const Torus<float>& free, const BlendOptions& choice,
            Torus<Vec3f>& field, const Work& work) {
   const Vec3i n = field.size, patches = matches[0].patches;
   const std::array<std::vector<float>, 2> trust = {weights_of(matches[0], levels[0], choice.exponent),
@@ -56,10 +57,7 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
             for (int j = 0; j < cy[y].count; ++j)
               for (int i = 0; i < cx[x].count; ++i) {
                 const std::size_t ui = i, uj = j, uk = k;
-                const std::size_t p =
-                    (static_cast<std::size_t>(cz[z].patch[uk]) * patches.y() + cy[y].patch[uj]) *
-                        patches.x() +
-                    cx[x].patch[ui];
+                const std::size_t p = voxel_at(cx[x].patch[ui], cy[y].patch[uj], cz[z].patch[uk], patches);
                 const float t = trust[s][p];
                 if (t <= 0) continue;
                 const Place& m = matches[s].at[p];

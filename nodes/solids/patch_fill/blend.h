@@ -7,7 +7,7 @@
 
 namespace terrazzo::patch_fill {
 
-struct BlendChoice {
+struct BlendOptions {
   double exponent = 0.8;
   double window = 0.05;  // of the mean shift
 };
@@ -16,6 +16,6 @@ struct BlendChoice {
 // (d² + mean d²)^((r − 2)/2). The patches of b have the share `weight` together, those of a the rest. A mean
 // shift then moves it to the dominant cluster of the texels, so that structures do not fade.
 void blend(const std::array<MatchLevel, 2>&, const std::array<Matches, 2>&, const Torus<float>& weight,
-           const Torus<float>& free, const BlendChoice&, Torus<Vec3f>& field, const Work&);
+           const Torus<float>& free, const BlendOptions&, Torus<Vec3f>& field, const Work&);
 
 }  // namespace terrazzo::patch_fill

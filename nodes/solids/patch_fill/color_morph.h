@@ -22,7 +22,7 @@ class ColorMorph {
   // The color at weight w: that of a for 0, that of b for 1. Between, it moves on a straight line in Oklab.
   Vec3f to_linear(const Vec3f& working, float w) const;
   // The distribution of the k-th working values, the same for both solids.
-  const Quantiles& working(int k) const { return working_[static_cast<std::size_t>(k)]; }
+  const Quantiles& working(int k) const { return working_[k]; }
 
  private:
   struct Solid {

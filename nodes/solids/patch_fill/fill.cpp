@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/patch_fill/blend.h"
 #include "nodes/solids/patch_fill/color_morph.h"
 #include "nodes/solids/patch_fill/finish.h"
@@ -21,7 +22,7 @@ constexpr int kCoarsestEdge = 24;  // least edge of the coarsest level, voxels
 std::vector<Use> uses(const Torus<float>& weight, const Torus<float>& free, int solid, bool guided,
                       bool tiles) {
   const Vec3i n = weight.size, patches = (n.array() + 1) / 2;
-  std::vector<Use> out(static_cast<std::size_t>(patches.x()) * patches.y() * patches.z(), Use::None);
+  std::vector<Use> out(voxels_in(patches), Use::None);
   for (std::size_t k = 0; k < out.size(); ++k) {
     const int p = k;
     const Vec3i start(2 * (p % patches.x()), 2 * (p / patches.x() % patches.y()),
@@ -150,7 +151,7 @@ MatchLevel sources_of(const Level& level, std::size_t solid, bool guided, bool t
 
 }  // namespace
 
-FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& work) {
+FillResult fill(const FillProblem& problem, const FillOptions& s, const Work& work) {
   FillResult out;
   out.color = problem.known;
   const bool guided = problem.sources == FillProblem::Sources::Guided;
@@ -195,7 +196,7 @@ FillResult fill(const FillProblem& problem, const FillSettings& s, const Work& w
         improve(matches[solid], sources[solid], wanted, kDims,
                 {s.overuse, apart, mix64(s.seed + 2 * static_cast<std::uint64_t>(searches++))}, work.quiet());
       blended(rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1);
-      on_level.progress(static_cast<double>(i + 1) / rounds);
+      on_level.done(i + 1, rounds);
     }
   }
   for (int round = 0; round < kFinishRounds; ++round) {

@@ -26,7 +26,7 @@ struct FillProblem {
   bool tiles = true;
 };
 
-struct FillSettings {
+struct FillOptions {
   std::vector<int> iterations = {30, 8};  // per level, coarsest first; the last one repeats
   double exponent = 0.8;                  // r of ‖·‖^r
   double window = 0.02;  // of the mean shift at the end of each level; it starts ten times as wide
@@ -41,7 +41,7 @@ struct FillResult {
 };
 
 // Every patch over a free voxel gets a match in each solid that has a share of it. Throws Error "one-color".
-FillResult fill(const FillProblem&, const FillSettings&, const Work&);
+FillResult fill(const FillProblem&, const FillOptions&, const Work&);
 
 // Peak memory in bytes, including the arrays of the problem.
 double fill_memory(const Vec3i& size);

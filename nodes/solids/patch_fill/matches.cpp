@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::patch_fill {
@@ -25,8 +26,7 @@ Vec3i patch_place(std::size_t k, const Vec3i& patches) {
 class Overuse {
  public:
   Overuse(const Matches& matches, const MatchLevel& level, double strength)
-      : blocks_((level.texture.size.array() + kUseBlock - 1) / kUseBlock),
-        factor_(static_cast<std::size_t>(blocks_.x()) * blocks_.y() * blocks_.z()) {
+      : blocks_((level.texture.size.array() + kUseBlock - 1) / kUseBlock), factor_(voxels_in(blocks_)) {
     double count = 0;
     for (std::size_t k = 0; k < matches.at.size(); ++k)
       if (level.use[k] == Use::Free) {
@@ -76,9 +76,7 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
       from[a] = std::min(s / 2, coarse.patches[a] - 1);
       over[a] = s - 2 * from[a];
     }
-    const Place& m =
-        coarse.at[(static_cast<std::size_t>(from[2]) * coarse.patches.y() + from[1]) * coarse.patches.x() +
-                  from[0]];
+    const Place& m = coarse.at[voxel_at(from[0], from[1], from[2], coarse.patches)];
     out.at[k] = wrapped_place(2 * (m.x + over[0]) + kPatch / 2, 2 * (m.y + over[1]) + kPatch / 2,
                               2 * (m.z + over[2]) + kPatch / 2, n);
   }
@@ -86,7 +84,7 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
 }
 
 void improve(Matches& matches, const MatchLevel& level, const std::vector<float>& wanted, int dimensions,
-             const SearchChoice& choice, const Work& work) {
+             const SearchOptions& choice, const Work& work) {
   const Vec3i n = level.texture.size, patches = matches.patches;
   const std::size_t dims = dimensions;
   for (int pass = 0; pass < kPasses; ++pass) {
@@ -127,8 +125,7 @@ void improve(Matches& matches, const MatchLevel& level, const std::vector<float>
           for (const int side : {-1, 1}) {
             Vec3i other = here;
             other[a] = wrapped(here[a] + side, patches[a]);
-            const std::size_t j =
-                (static_cast<std::size_t>(other.z()) * patches.y() + other.y()) * patches.x() + other.x();
+            const std::size_t j = voxel_at(other.x(), other.y(), other.z(), patches);
             if (level.use[j] == Use::None) continue;
             Vec3i p(matches.at[j].x, matches.at[j].y, matches.at[j].z);
             p[a] -= 2 * side;

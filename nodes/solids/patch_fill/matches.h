@@ -34,7 +34,7 @@ struct MatchLevel {
   std::vector<Use> use;         // of each patch of the result
 };
 
-struct SearchChoice {
+struct SearchOptions {
   double overuse = 1;
   int apart = 0;  // matches less than this from the patch's own place are not used, voxels along every axis
   std::uint64_t seed = 1;  // differs from search to search
@@ -48,6 +48,6 @@ Matches carry_up(const Matches& coarse, const Torus<Vec3f>& coarse_texture, cons
 // random patches ever nearer to the best (Barnes et al. 2009). `wanted` describes the patches of the result.
 // Each pass reads the matches of the pass before, so that the result does not depend on threads.
 void improve(Matches&, const MatchLevel&, const std::vector<float>& wanted, int dimensions,
-             const SearchChoice&, const Work&);
+             const SearchOptions&, const Work&);
 
 }  // namespace terrazzo::patch_fill

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::patch_fill {
@@ -20,8 +21,7 @@ const Basis& cosines() {
     for (std::size_t u = 0; u < kPatch; ++u)
       for (std::size_t i = 0; i < kPatch; ++i)
         b[u][i] =
-            std::sqrt((u == 0 ? 1.0 : 2.0) / kPatch) *
-            std::cos(std::numbers::pi * (static_cast<double>(i) + 0.5) * static_cast<double>(u) / kPatch);
+            std::sqrt((u == 0 ? 1.0 : 2.0) / kPatch) * std::cos(std::numbers::pi * (i + 0.5) * u / kPatch);
     return b;
   }();
   return basis;
@@ -94,7 +94,7 @@ std::vector<float> PatchSpace::describe(const Torus<Vec3f>& field, int stride, c
   const Basis& basis = cosines();
   const Vec3i n = field.size, starts = (n.array() + stride - 1) / stride;
   const std::size_t dims = dimensions();
-  const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+  const std::size_t plane = pixels_in(n.x(), n.y());
   std::vector<float> out(dims * starts.x() * starts.y() * starts.z());
   // Filtered along x, then y, then z. Sorted coefficients share the first two steps.
   std::vector<float> along_x(field.at.size()), along_y(field.at.size());
@@ -131,8 +131,9 @@ std::vector<float> PatchSpace::describe(const Torus<Vec3f>& field, int stride, c
         for (int x = 0; x < n.x(); x += stride, ++at) {
           float sum = 0;
           for (int i = 0; i < kPatch; ++i)
-            sum += bw[i] * along_y[(wrapped(static_cast<int>(sz) * stride + i, n.z())) * plane +
-                                   static_cast<std::size_t>(y) * n.x() + x];
+            sum +=
+                bw[i] *
+                along_y[(wrapped(static_cast<int>(sz) * stride + i, n.z())) * plane + pixel_at(x, y, n.x())];
           out[at * dims + d] = sum;
         }
     });

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/patch_fill/torus.h"
 #include "runtime/work.h"
 
@@ -18,7 +19,7 @@ class PatchSpace {
  public:
   PatchSpace(const Torus<Vec3f>& a, const Torus<Vec3f>& b, int dimensions, std::uint64_t seed);
 
-  int dimensions() const { return static_cast<int>(chosen_.size()); }
+  int dimensions() const { return count_of(chosen_); }
   // The share of the patches' variance that the coefficients hold.
   double share() const { return share_; }
   // Descriptions of the patches that start at every `stride`-th voxel of each axis, x fastest.

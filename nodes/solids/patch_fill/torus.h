@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 
 namespace terrazzo::patch_fill {
@@ -19,12 +20,10 @@ struct Torus {
   std::vector<T> at;
 
   Torus() = default;
-  Torus(const Vec3i& n, T value) : size(n), at(static_cast<std::size_t>(n.x()) * n.y() * n.z(), value) {}
-  std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x;
-  }
+  Torus(const Vec3i& n, T value) : size(n), at(voxels_in(n), value) {}
+  std::size_t index(int x, int y, int z) const { return voxel_at(x, y, z, size); }
   Vec3i place(std::size_t i) const {
-    const auto n = static_cast<int>(i);
+    const int n = i;
     return Vec3i(n % size.x(), n / size.x() % size.y(), n / size.x() / size.y());
   }
 };

@@ -6,7 +6,7 @@ namespace terrazzo::pattern {
 namespace {
 
 void compute(Context& c) {
-  PatternChoice p;
+  PatternOptions p;
   p.kind = c.choice<Kind>("kind");
   p.axis = c.choice<int>("axis");
   p.offset = c.number("offset");

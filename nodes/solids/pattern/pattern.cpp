@@ -82,7 +82,7 @@ Vec3f bone(std::uint64_t seed, const Vec3& p) {
 
 }  // namespace
 
-Vec3f pattern_color(const PatternChoice& c, const Vec3& point) {
+Vec3f pattern_color(const PatternOptions& c, const Vec3& point) {
   // Keep sections off the planes of the noise lattice, where gradient noise is flat and shows its axes.
   const Vec3 p = point / c.scale + Vec3(0.37, 0.21, 0.43);
   if (c.kind == Kind::Muscle) return muscle(c.seed, p);
@@ -92,7 +92,7 @@ Vec3f pattern_color(const PatternChoice& c, const Vec3& point) {
   return c.kind == Kind::Marble ? marble(c.seed, q) : c.kind == Kind::Fat ? fat(c.seed, q) : bone(c.seed, q);
 }
 
-Image pattern_image(const PatternChoice& c, const Work& work) {
+Image pattern_image(const PatternOptions& c, const Work& work) {
   Image out(c.width, c.height, 1, c.pixel_size);
   const int axis = c.axis;
   work.parallel(c.height, 4, [&](std::size_t begin, std::size_t end) {

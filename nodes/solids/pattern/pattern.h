@@ -10,7 +10,7 @@ namespace terrazzo::pattern {
 
 enum class Kind { Wood, Marble, Muscle, Fat, Bone };
 
-struct PatternChoice {
+struct PatternOptions {
   Kind kind = Kind::Wood;
   int axis = 0;       // normal to the plane: x, y, z; z is up on x and y
   double offset = 0;  // mm along the axis
@@ -22,8 +22,8 @@ struct PatternChoice {
 
 // Scene-linear color at a point in mm. Wood's rings run around the z axis; its fibers and those of muscle run
 // along z.
-Vec3f pattern_color(const PatternChoice&, const Vec3& point);
+Vec3f pattern_color(const PatternOptions&, const Vec3& point);
 // The section, antialiased by 2 × 2 samples per pixel.
-Image pattern_image(const PatternChoice&, const Work& = {});
+Image pattern_image(const PatternOptions&, const Work& = {});
 
 }  // namespace terrazzo::pattern

@@ -13,7 +13,7 @@ using namespace solids;
 constexpr int kLeastBlock = 16;  // voxels
 
 // Reads how the solid is cut, and which block to make.
-void read_block(const Context& c, SolidSettings& s) {
+void read_block(const Context& c, SolidOptions& s) {
   s.blocks = one_or_three(c, "blocks");
   s.block = c.integer("block");
   for (int a = 0; a < 3; ++a)
@@ -34,7 +34,7 @@ void compute(Context& c) {
   const SolidBase& base = c.input<SolidBase>("base");
   if (base.request.exemplars.empty())
     throw Error("empty-base", "the base has no exemplars", "connect the output base of a SolidBase");
-  SolidSettings s = base.request.settings;
+  SolidOptions s = base.request.settings;
   read_block(c, s);
   s.sources = c.boolean("sources");
   for (const auto& e : base.request.exemplars) s.sources |= !e.features.empty();

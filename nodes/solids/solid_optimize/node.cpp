@@ -25,7 +25,7 @@ void check(const NodeParameters& p) {
 void compute(Context& c) {
   const auto method = c.choice<SolidMethod>("method");
   SolidRequest request = read_request(c, method);
-  SolidSettings& s = request.settings;
+  SolidOptions& s = request.settings;
   s.sources = !c.list("features").empty() || c.boolean("sources");
   if (method == SolidMethod::Reference && s.sources)
     throw Error("not-with-reference", "method reference cannot carry features", "set method: coherence")

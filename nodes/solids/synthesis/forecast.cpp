@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kChannels = 3;
 
-int planes(const SolidSettings& s) {
+int planes(const SolidOptions& s) {
   return std::count_if(s.plane.begin(), s.plane.end(), [](int p) { return p >= 0; });
 }
 
@@ -23,13 +23,13 @@ struct PartSize {
 };
 
 // Bytes of a level that is made whole, with the exemplars' features.
-double whole_bytes(const SolidSettings& s, int levels, const Vec3i& size) {
+double whole_bytes(const SolidOptions& s, int levels, const Vec3i& size) {
   return size.cast<double>().prod() * (4 * (kChannels + (guided_levels(s, levels) > 0)) + planes(s) * 2);
 }
 
 // Peak bytes of a part of level `level`: what is held while the matches below are made, while they are
 // carried up, while the level's own are searched (one plane's twice), and while it is finished.
-double part_bytes(const SolidSettings& s, int level, int levels, const TorusBox& wanted, bool finished) {
+double part_bytes(const SolidOptions& s, int level, int levels, const TorusBox& wanted, bool finished) {
   const int whole = whole_level(s, levels), rounds = iterations_of(s, levels)[level];
   const Vec3i size = box_at(s.size, level, levels);
   const TorusBox box = block_plan(wanted, rounds, finished ? s.finish : 0).blend[0];
@@ -43,14 +43,12 @@ double part_bytes(const SolidSettings& s, int level, int levels, const TorusBox&
   if (level - 1 == whole) return own;
   const Vec3i size_below = box_at(s.size, level - 1, levels);
   const TorusBox below = box_below(box, size, size_below);
-  const PartSize kept(
-      block_plan(below, iterations_of(s, levels)[static_cast<std::size_t>(level) - 1], 0).blend[0],
-      size_below);
+  const PartSize kept(block_plan(below, iterations_of(s, levels)[level - 1], 0).blend[0], size_below);
   const double carrying = kept.voxels * 4 * kChannels + 8 * kept.patches * planes(s) + matches;
   return std::max({own, carrying, part_bytes(s, level - 1, levels, below, false)});
 }
 
-int levels_of(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+int levels_of(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s) {
   return s.levels > 0 ? s.levels : natural_levels(exemplars, s.size);
 }
 
@@ -63,7 +61,7 @@ double exemplar_bytes(const std::vector<SolidExemplar>& exemplars) {
 
 }  // namespace
 
-double base_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+double base_forecast(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s) {
   const int levels = levels_of(exemplars, s), whole = whole_level(s, levels);
   double most = 0;
   for (int l = whole + 1; l < levels; ++l)
@@ -72,7 +70,7 @@ double base_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSet
   return exemplar_bytes(exemplars) + whole_bytes(s, levels, box_at(s.size, whole, levels)) + most;
 }
 
-double block_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+double block_forecast(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s) {
   const int levels = levels_of(exemplars, s);
   const double whole = box_at(s.size, whole_level(s, levels), levels).cast<double>().prod() * planes(s) * 2,
                voxels = block_box(s).size().cast<double>().prod();
@@ -80,7 +78,7 @@ double block_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSe
                   voxels * (4 * kChannels + 14));
 }
 
-double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s) {
+double memory_forecast(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s) {
   const double voxels = s.size.cast<double>().prod();
   if (s.method == SolidMethod::Blockwise && levels_of(exemplars, s) > 1)
     return std::max(base_forecast(exemplars, s), block_forecast(exemplars, s));

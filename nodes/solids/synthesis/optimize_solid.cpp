@@ -38,7 +38,7 @@ void random_texels(SolidField& field, const ExemplarLevel& e, std::uint64_t seed
 
 std::vector<NeighborField> random_families(const Vec3i& size,
                                            const std::vector<const ExemplarLevel*>& exemplars,
-                                           const SolidSettings& s) {
+                                           const SolidOptions& s) {
   std::vector<NeighborField> out;
   for (int a = 0; a < 3; ++a)
     if (const int p = s.plane[a]; p >= 0) out.push_back(random_matches(size, a, p, *exemplars[p], s.seed));
@@ -50,16 +50,16 @@ std::vector<NeighborField> random_families(const Vec3i& size,
 struct Schedule {
   std::vector<int> iterations;
   std::vector<double> end;
-  Schedule(const SolidSettings& s, int levels) {
+  Schedule(const SolidOptions& s, int levels) {
     double sum = 0;
     for (int l = 0; l < levels; ++l) {
-      iterations.push_back(s.iterations[std::min(static_cast<std::size_t>(l), s.iterations.size() - 1)]);
+      iterations.push_back(s.iterations[std::min<std::size_t>(l, s.iterations.size() - 1)]);
       end.push_back(sum += iterations.back() * std::pow(8.0, l));
     }
     for (auto& e : end) e /= sum;
   }
   Work part(const Work& work, int level, int from, int to) const {
-    const double a = level > 0 ? end[static_cast<std::size_t>(level) - 1] : 0, b = end[level];
+    const double a = level > 0 ? end[level - 1] : 0, b = end[level];
     const double n = iterations[level];
     return work.part(a + (b - a) * from / n, a + (b - a) * to / n);
   }
@@ -67,7 +67,7 @@ struct Schedule {
 
 // Runs all levels up to and including the finest one that is made whole.
 std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exemplars,
-                                        std::vector<Pyramid>& pyramids, const SolidSettings& s,
+                                        std::vector<Pyramid>& pyramids, const SolidOptions& s,
                                         SolidResult& out, const Work& work) {
   const int levels = out.levels, made = whole_level(s, levels) + 1;
   const Schedule schedule(s, made);
@@ -81,15 +81,15 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
     const int channels = at_level[0]->channels;
     const auto targets = level_values(at_level, s, channels);
     field.size = size;
-    field.channel.assign(static_cast<std::size_t>(channels), std::vector<float>(voxels(size)));
+    field.channel.assign(channels, std::vector<float>(voxels(size)));
     if (level == 0) {
       random_texels(field, *at_level[0], s.seed);
       families = random_families(size, at_level, s);
     } else {
       for (auto& f : families) {
         const Pyramid& p = pyramids[f.exemplar];
-        f = carry_up(f, box_at(s.size, level - 1, levels), size, p[static_cast<std::size_t>(level) - 1],
-                     p[level], s.seed, work.quiet());
+        f = carry_up(f, box_at(s.size, level - 1, levels), size, p[level - 1], p[level], s.seed,
+                     work.quiet());
       }
       blend_patches(at_level, families, {static_cast<float>(10 * s.window)}, field, nullptr, nullptr,
                     work.quiet());
@@ -98,14 +98,14 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
     const int rounds = schedule.iterations[level];
     for (int i = 0; i < rounds; ++i, ++iteration) {
       const Work step = schedule.part(work, level, i, i + 1);
-      SearchSettings search = search_settings(s);
+      SearchOptions search = search_settings(s);
       search.iteration = iteration;
       // Try all patches only now and then: between, coherence search finds matches as good.
       search.exhaustive = level == 0 && at_level[0]->starts.size() <= 2000 && i % kExhaustiveEvery == 0;
       search_matches(field, at_level, families, search, step.part(0, 0.6));
       for (auto& f : families) weigh(f, s.exponent, work.quiet());
       const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
-      const BlendSettings blend{static_cast<float>(s.window * std::pow(10, 1 - fall))};
+      const BlendOptions blend{static_cast<float>(s.window * std::pow(10, 1 - fall))};
       BlendSources* sources = nullptr;
       std::vector<const std::vector<Vec3f>*> features;
       if (s.sources && level == levels - 1 && i == rounds - 1) {
@@ -127,18 +127,18 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
   return families;
 }
 
-void by_reference(const std::vector<Pyramid>& pyramids, const SolidSettings& s, SolidResult& out,
+void by_reference(const std::vector<Pyramid>& pyramids, const SolidOptions& s, SolidResult& out,
                   const Work& work) {
   const Schedule schedule(s, out.levels);
   // The paper's windows, for colors in [0, 1]. All levels between the first and the last share the second.
-  constexpr double windows[3] = {10, 0.05, 0.01};
+  constexpr double kWindows[3] = {10, 0.05, 0.01};
   std::vector<NeighborField> families;
   for (int level = 0; level < out.levels; ++level) {
     const Vec3i size = box_at(s.size, level, out.levels);
     const auto at_level = level_of(pyramids, level);
     if (level == 0) {
       out.field.size = size;
-      out.field.channel.assign(static_cast<std::size_t>(out.axes.channels), std::vector<float>(voxels(size)));
+      out.field.channel.assign(out.axes.channels, std::vector<float>(voxels(size)));
       random_texels(out.field, *at_level[0], s.seed);
     } else {
       out.field = resample(out.field, size, work.quiet());
@@ -146,9 +146,9 @@ void by_reference(const std::vector<Pyramid>& pyramids, const SolidSettings& s, 
     families = random_families(size, at_level, s);
     const int rounds = schedule.iterations[level];
     optimize_by_reference(at_level, families, rounds, s.exponent,
-                          windows[level == 0               ? 0
-                                  : level + 1 < out.levels ? 1
-                                                           : 2] *
+                          kWindows[level == 0               ? 0
+                                   : level + 1 < out.levels ? 1
+                                                            : 2] *
                               out.axes.scale,
                           s.seed, out.field, schedule.part(work, level, 0, rounds));
   }
@@ -162,7 +162,7 @@ struct Prepared {
   SolidResult out;  // its axes and levels
 };
 
-Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s, const Work& work) {
+Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s, const Work& work) {
   Prepared p;
   SolidResult& out = p.out;
   out.size = s.size;
@@ -202,7 +202,7 @@ Prepared prepare(const std::vector<SolidExemplar>& exemplars, const SolidSetting
 
 }  // namespace
 
-SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
+SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s,
                            const Work& work, BlockGl* gl) {
   auto [working, pyramids, out] = prepare(exemplars, s, work);
   if (s.method == SolidMethod::Reference)
@@ -220,13 +220,13 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
   return std::move(out);
 }
 
-BlockBase solid_base(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s, const Work& work) {
+BlockBase solid_base(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s, const Work& work) {
   auto [working, pyramids, out] = prepare(exemplars, s, work);
   auto families = by_coherence(working, pyramids, s, out, work.part(0, 0.6));
   return measure_base(working, pyramids, std::move(families), s, out, work.part(0.6, 1));
 }
 
-SolidResult solid_block(const std::vector<SolidExemplar>& exemplars, const SolidSettings& s,
+SolidResult solid_block(const std::vector<SolidExemplar>& exemplars, const SolidOptions& s,
                         const BlockBase& base, const Work& work, BlockGl* gl) {
   auto [working, pyramids, out] = prepare(exemplars, s, work);
   make_block(working, pyramids, base, s, gl, out, work.part(0, 0.97));

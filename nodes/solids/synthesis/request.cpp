@@ -9,6 +9,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/one_or_three.h"
 #include "nodes/data/image.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/labels.h"
 #include "nodes/solids/synthesis/whole/measures.h"
 
@@ -49,7 +50,7 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
                   "use pictures of the same size");
   };
   const auto& masks = c.list("masks");
-  if (which < static_cast<int>(masks.size())) {
+  if (which < count_of(masks)) {
     if (masks[which].is<Labels>()) {
       const Labels& m = masks[which].as<Labels>();
       fits("mask", m.width, m.height);
@@ -62,7 +63,7 @@ SolidExemplar exemplar_of(Context& c, const char* port, int which) {
     }
   }
   const auto& features = c.list("features");
-  if (which < static_cast<int>(features.size())) {
+  if (which < count_of(features)) {
     const Image& f = features[which].as<Image>();
     fits("features", f.width, f.height);
     each_upwards(e.width, e.height, [&](int x, int y) { e.features.push_back(f.at(x, y)); });
@@ -113,7 +114,7 @@ std::array<int, 3> planes_of(Context& c, const std::vector<SolidExemplar>& exemp
 
 SolidRequest read_request(Context& c, SolidMethod method) {
   SolidRequest request;
-  SolidSettings& s = request.settings;
+  SolidOptions& s = request.settings;
   std::vector<SolidExemplar>& exemplars = request.exemplars;
   s.size = one_or_three(c, "size");
   std::array<int, 3> source = {0, 0, 0};
@@ -142,7 +143,7 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   s.plane = planes_of(c, exemplars, source);
   s.iterations.clear();
   s.method = method;
-  s.blockwise_iterations = c.keyword("iterations").empty() ? 0 : SolidSettings().blockwise_iterations;
+  s.blockwise_iterations = c.keyword("iterations").empty() ? 0 : SolidOptions().blockwise_iterations;
   if (!c.keyword("iterations").empty())
     s.iterations =
         s.method == SolidMethod::Reference ? std::vector<int>{100, 20, 10} : std::vector<int>{20, 10, 5};
@@ -162,7 +163,7 @@ SolidRequest read_request(Context& c, SolidMethod method) {
 }
 
 void check_request(Context& c, const SolidRequest& r, double bytes) {
-  const SolidSettings& s = r.settings;
+  const SolidOptions& s = r.settings;
   if (bytes > c.number("memory") * 1e6)
     throw Error("too-large",
                 fmt::format("{} × {} × {} voxels need about {:.0f} MB; the limit is {:.0f} MB", s.size.x(),

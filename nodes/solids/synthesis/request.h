@@ -12,7 +12,7 @@ namespace terrazzo::solids {
 // Exemplars at the solid's scale, and all settings except method, blocks and sources.
 struct SolidRequest {
   std::vector<SolidExemplar> exemplars;
-  SolidSettings settings;
+  SolidOptions settings;
   double voxel = 1;  // mm
 };
 

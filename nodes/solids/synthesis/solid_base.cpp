@@ -8,7 +8,7 @@ using namespace solids;
 
 // One field list drives encoding and decoding.
 template <class Stream>
-void fields(Stream&& each, SolidSettings& s) {
+void fields(Stream&& each, SolidOptions& s) {
   for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[a]);
   each(s.levels), each(s.color), each(s.exponent), each(s.overuse), each(s.copying), each(s.guide);
   each(s.window), each(s.finish), each(s.blockwise_iterations), each(s.seed);
@@ -85,7 +85,7 @@ LevelStatistics decode_statistics(Reader& r) {
 }
 
 void encode(const SolidBase& v, Writer& w) {
-  SolidSettings s = v.request.settings;
+  SolidOptions s = v.request.settings;
   fields([&](const auto& field) { w.pod(field); }, s);
   w.array(s.iterations), w.pod(v.request.voxel);
   encode_list(v.request.exemplars, w, [&](const SolidExemplar& e) {
@@ -98,7 +98,7 @@ void encode(const SolidBase& v, Writer& w) {
 
 SolidBase decode(Reader& r) {
   SolidBase v;
-  SolidSettings& s = v.request.settings;
+  SolidOptions& s = v.request.settings;
   fields([&](auto& field) { field = r.pod<std::decay_t<decltype(field)>>(); }, s);
   if (s.color < SolidColor::Lab || s.color > SolidColor::Rgb)
     throw Error("damaged", "the stored color space is unknown");
@@ -129,7 +129,7 @@ SolidBase decode(Reader& r) {
 }
 
 nlohmann::json describe(const SolidBase& v) {
-  const SolidSettings& s = v.request.settings;
+  const SolidOptions& s = v.request.settings;
   nlohmann::json exemplars = nlohmann::json::array();
   for (const auto& e : v.request.exemplars) exemplars.push_back({{"width", e.width}, {"height", e.height}});
   std::size_t matches = 0;

@@ -22,7 +22,7 @@ void check(const NodeParameters& p) { one_or_three(p, "cubes"); }
 void compute(Context& c) {
   const Volume& volume = c.input<Volume>("solid");
   const VoxelBox box = solid_box(volume, "solid");
-  CubeSettings s;
+  CubeOptions s;
   s.colors = c.integer("colors");
   s.rim = c.integer("rim");
   s.fill.iterations.clear();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::wang_cubes {
@@ -73,7 +74,7 @@ Lattice random_lattice(const Vec3i& cubes, int colors, std::uint64_t seed) {
   for (int round = 0; round < kRounds; ++round)
     for (std::size_t i = 0; i < faces.low.at.size(); ++i)
       for (std::size_t a = 0; a < 3; ++a) {
-        const Vec3i here = faces.low.place(i), below = here - Vec3i::Unit(static_cast<Eigen::Index>(a));
+        const Vec3i here = faces.low.place(i), below = here - Vec3i::Unit(a);
         int& color = faces.low.at[i][a];
         int best = color, least = faces.alike(here) + faces.alike(below);
         for (int k = 1; k < colors && least > 0; ++k) {
@@ -91,7 +92,7 @@ Lattice random_lattice(const Vec3i& cubes, int colors, std::uint64_t seed) {
   return out;
 }
 
-CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const CubeSettings& s,
+CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const CubeOptions& s,
                    const Work& work) {
   const Vec3i n = solid.size;
   CubeSet out;
@@ -108,7 +109,7 @@ CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice& lattice, const Cube
     return work.part(from, static_cast<double>(step) / steps);
   };
   const auto seeded = [&](std::uint64_t item) {
-    patch_fill::FillSettings fill = s.fill;
+    patch_fill::FillOptions fill = s.fill;
     fill.seed = Random(s.fill.seed, 0x84, item).bits() >> 11;
     return fill;
   };
@@ -160,7 +161,7 @@ Torus<Vec3f> assemble(const CubeSet& set, const Lattice& lattice) {
   Torus<Vec3f> out(n.cwiseProduct(m), Vec3f::Zero());
   for (std::size_t i = 0; i < out.at.size(); ++i) {
     const Vec3i p = out.place(i), c = p.cwiseQuotient(n), q = p - c.cwiseProduct(n);
-    const std::size_t place = (static_cast<std::size_t>(c.z()) * m.y() + c.y()) * m.x() + c.x();
+    const std::size_t place = voxel_at(c.x(), c.y(), c.z(), m);
     const Torus<Vec3f>& cube = set.cube[set.at[place]];
     out.at[i] = cube.at[cube.index(q.x(), q.y(), q.z())];
   }

@@ -25,10 +25,10 @@ struct Lattice {
 };
 Lattice random_lattice(const Vec3i& cubes, int colors, std::uint64_t seed);
 
-struct CubeSettings {
+struct CubeOptions {
   int colors = 2;
   int rim = 2;  // voxels on each side of a face that belong to the face
-  patch_fill::FillSettings fill;
+  patch_fill::FillOptions fill;
 };
 
 // The cubes that a lattice needs, each as large as the solid.
@@ -41,7 +41,7 @@ struct CubeSet {
 // `solid` tiles and has scene-linear colors. The cube whose faces all have color 0 is the solid itself. Each
 // other color of faces across an axis has one content, which loses its weight within 2 rims beyond. Along
 // their edges all cubes are the solid, within `rim` voxels of two faces. Throws Error "one-color".
-CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice&, const CubeSettings&, const Work&);
+CubeSet make_cubes(const Torus<Vec3f>& solid, const Lattice&, const CubeOptions&, const Work&);
 
 // All cubes side by side. The result tiles.
 Torus<Vec3f> assemble(const CubeSet&, const Lattice&);

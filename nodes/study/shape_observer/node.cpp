@@ -37,7 +37,7 @@ void compute(Context& c) {
     for (std::size_t i = 0; i < wires.size(); ++i)
       names.push_back(i ? fmt::format("decoy {}", i) : "original");
   }
-  ObserverChoice choice;
+  ObserverOptions choice;
   choice.profiles = c.integer("profiles");
   choice.views = c.integer("views");
   choice.eyesight = c.number("eyesight");

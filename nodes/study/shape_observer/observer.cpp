@@ -17,7 +17,7 @@ constexpr std::array<double, kOutlineFeatures> kVisible{0.0012, 0.12,  0.03, 0.0
 constexpr Eigen::Index kFeatures = kOutlineFeatures;
 
 // One row per view; columns: means, then standard deviations (if a view has at least five profiles).
-Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std::uint64_t seed,
+Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverOptions& choice, std::uint64_t seed,
                          const Work& work) {
   const auto n = static_cast<std::size_t>(choice.views) * choice.profiles;
   // A section shows one profile or more; only the first n profiles are used.
@@ -54,7 +54,8 @@ Eigen::MatrixXd views_of(const Shapes& shapes, const ObserverChoice& choice, std
 
 }  // namespace
 
-Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoice& choice, const Work& work) {
+Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverOptions& choice,
+                const Work& work) {
   Eigen::MatrixXd a = views_of(original, choice, 2 * choice.seed, work.part(0, 0.5)),
                   b = views_of(decoy, choice, 2 * choice.seed + 1, work.part(0.5, 1));
   const auto d = a.cols();

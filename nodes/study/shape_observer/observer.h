@@ -9,7 +9,7 @@
 
 namespace terrazzo::shape_observer {
 
-struct ObserverChoice {
+struct ObserverOptions {
   int profiles = 20;  // number per view
   int views = 180;    // number per population
   std::uint64_t seed = 1;
@@ -29,6 +29,6 @@ struct Verdict {
 
 // Nine-fold cross-validation of Fisher's discriminant with the pooled covariance shrunk by a tenth towards
 // its diagonal. Views of both are drawn in the same way from random sections; the planes of the decoy differ.
-Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverChoice&, const Work& = {});
+Verdict observe(const Shapes& original, const Shapes& decoy, const ObserverOptions&, const Work& = {});
 
 }  // namespace terrazzo::shape_observer

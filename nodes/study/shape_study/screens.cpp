@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_study {
@@ -24,7 +25,7 @@ int original_of(const std::vector<Stimulus>& stimuli, const std::string& shape) 
 // A random screen with a decoy from stimulus i, or without one if that is the original.
 Screen draw_screen(const std::vector<Stimulus>& stimuli, std::size_t i, Random r) {
   const int original = original_of(stimuli, stimuli[i].shape);
-  const std::uint64_t n = stimuli[static_cast<std::size_t>(original)].sections;
+  const std::uint64_t n = stimuli[original].sections;
   const int a = r.below(n);
   int b = r.below(n - 1);
   b += b >= a;
@@ -101,7 +102,7 @@ std::vector<Screen> make_training(const std::vector<Stimulus>& stimuli, const st
   std::vector<Screen> out;
   std::uint64_t item = 0;
   std::size_t at = 0;
-  while (static_cast<int>(out.size()) < count) {
+  while (count_of(out) < count) {
     const std::size_t before = out.size();
     for (std::size_t k = 0; k < order.size() && out.size() == before; ++k)
       for (int i = 0; i < kTries && out.size() == before; ++i) {

@@ -29,7 +29,7 @@ class NamedRows {
       const auto found = std::find_if(row_.cells.begin(), row_.cells.end(),
                                       [&](const CellRow::Cell& c) { return c.text == name; });
       if (found == row_.cells.end()) throw missing(fmt::format(" has no column '{}'", name));
-      at_.push_back(static_cast<std::size_t>(found - row_.cells.begin()));
+      at_.push_back(found - row_.cells.begin());
     }
   }
 

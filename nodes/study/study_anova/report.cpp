@@ -8,6 +8,7 @@
 
 #include "nodes/common/plot/plot.h"
 #include "nodes/common/statistics/anova.h"
+#include "nodes/data/indices.h"
 #include "nodes/study/study_anova/people.h"
 
 namespace terrazzo::study_anova {
@@ -71,7 +72,7 @@ Plot chart(const std::vector<Answer>& answers, const Design& design, const std::
       const Spread s =
           share ? fooled(answers, method, shapes[k]) : spread_of(answers, method, shapes[k], quantity);
       const double scale = share ? 100 : 1;
-      bars.x.push_back(static_cast<double>(k)), bars.y.push_back(scale * s.mean);
+      bars.x.push_back(k), bars.y.push_back(scale * s.mean);
       bars.low.push_back(scale * (s.mean - s.sd)), bars.high.push_back(scale * (s.mean + s.sd));
     }
     plot.series.push_back(std::move(bars));
@@ -156,12 +157,10 @@ Table effects(const std::vector<Answer>& answers, const Design& design, std::vec
     if (means.left_out && quantity == Quantity::Fooled)
       notes.push_back(fmt::format(
           "repeated measures leave out {} of {} people, who have no answer to some method and shape",
-          means.left_out, means.left_out + static_cast<int>(means.rows.size())));
-    Eigen::MatrixXd values(static_cast<Eigen::Index>(means.rows.size()),
-                           static_cast<Eigen::Index>(means.rows[0].size()));
+          means.left_out, means.left_out + count_of(means.rows)));
+    Eigen::MatrixXd values(means.rows.size(), means.rows[0].size());
     for (std::size_t i = 0; i < means.rows.size(); ++i)
-      for (std::size_t j = 0; j < means.rows[i].size(); ++j)
-        values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = means.rows[i][j];
+      for (std::size_t j = 0; j < means.rows[i].size(); ++j) values(i, j) = means.rows[i][j];
     add_rows(t, name, "repeated measures",
              repeated_anova(values, design.methods.size(), design.shapes.size(), kFactors), true);
   }

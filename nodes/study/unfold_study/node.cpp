@@ -7,6 +7,7 @@
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
 #include "nodes/common/plot/plot.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/table.h"
 #include "nodes/study/unfold_study/sample_profiles.h"
 #include "nodes/study/unfold_study/study.h"
@@ -97,7 +98,7 @@ void compute(Context& c) {
   }
   c.output("table", std::move(table));
   c.output("densities", std::move(densities));
-  c.output("figure", draw(panels, std::min<int>(2, static_cast<int>(panels.size()))));
+  c.output("figure", draw(panels, std::min<int>(2, count_of(panels))));
 }
 
 }  // namespace

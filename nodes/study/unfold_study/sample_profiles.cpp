@@ -69,7 +69,7 @@ Profiles ProfileSampler::sample(double expected, int sections, std::uint64_t see
   // Normal approximation of the Poisson distribution: for the relevant numbers its error is
   // far below the spread.
   const double drawn = std::round(expected + std::sqrt(expected) * random.normal());
-  const auto count = static_cast<std::size_t>(std::max(3.0, drawn));
+  const std::size_t count = std::max(3.0, drawn);
   Profiles p;
   p.sections = sections;
   p.observed_area = expected / sources_.back().seen;
@@ -84,13 +84,13 @@ Profiles ProfileSampler::sample(double expected, int sections, std::uint64_t see
     const double size = std::sqrt(random.uniform(source->low * source->low, source->high * source->high));
     const auto& q = quantiles_[source->shape];
     const double at = random.uniform() * kQuantiles;
-    const auto b = static_cast<std::size_t>(at);
+    const std::size_t b = at;
     const double relative = q[b] + (at - b) * (q[b + 1] - q[b]);
     const double diameter = size * relative;
     if (!(diameter > 0)) continue;
     Profile& f = p.profiles.emplace_back();
     f.area = std::numbers::pi / 4 * diameter * diameter;
-    f.section = i % static_cast<std::size_t>(sections);
+    f.section = i % sections;
     covered += f.area;
   }
   p.area_fraction = std::min(1.0, covered / p.observed_area);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "nodes/sizes/unfolding/unfold.h"
 #include "nodes/study/unfold_study/sample_profiles.h"
 
@@ -68,7 +69,7 @@ MethodResult summary_of(const std::string& method, std::span<Trial> trials) {
     held += t.held;
     intervals += t.intervals;
   }
-  const double n = static_cast<int>(trials.size()) - out.refused;
+  const double n = count_of(trials) - out.refused;
   const double none = std::numeric_limits<double>::quiet_NaN();
   out.error = n > 0 ? out.error / n : none;
   out.total = n > 0 ? out.total / n : none;

@@ -43,7 +43,7 @@ void compute(Context& c) {
     for (const Vec3i& v : {box.low, box.size})
       for (int a = 0; a < 3; ++a) row.emplace_back(static_cast<double>(v[a]));
     out.rows.push_back(std::move(row));
-    c.work().progress(static_cast<double>(k + 1) / count);
+    c.work().done(k + 1, count);
   }
   const blocks::Box whole = grids.whole(c.boolean("periodic"));
   c.metric("blocks", count);

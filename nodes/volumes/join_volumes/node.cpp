@@ -26,7 +26,7 @@ void compute(Context& c) {
     require_memory(std::max(bytes, first * count), c.memory(), "the joined volume");
     if (!joiner) joiner.emplace(block);
     joiner->add(block);
-    c.work().progress(static_cast<double>(k + 1) / count);
+    c.work().done(k + 1, count);
   }
   const blocks::Box whole = grids.whole(c.boolean("periodic"));
   Volume out = joiner->take();

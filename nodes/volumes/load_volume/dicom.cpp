@@ -12,6 +12,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/input_file.h"
+#include "nodes/data/indices.h"
 #include "nodes/volumes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {
@@ -122,7 +123,7 @@ void read_pixels(DcmDataset& set, DicomFile& s) {
 
 // DCMTK reads sequences recursively, so a file of deeply nested sequences would exhaust the stack.
 void check_nesting(std::string_view content, const std::filesystem::path& path) {
-  constexpr std::size_t deepest = 64;
+  constexpr std::size_t kDeepest = 64;
   std::vector<std::size_t> ends;
   for (std::size_t at = 0; at + 8 <= content.size(); ++at) {
     const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(content[at + k]); };
@@ -136,16 +137,16 @@ void check_nesting(std::string_view content, const std::filesystem::path& path) 
     std::uint32_t length = 0;
     for (std::size_t k = 0; k < 4; ++k) length = length << 8 | byte(little ? 7 - k : 4 + k);
     ends.push_back(length == 0xffffffff ? content.size() : at + 8 + length);
-    if (ends.size() > deepest) throw unreadable(path, "its sequences are nested too deeply");
+    if (ends.size() > kDeepest) throw unreadable(path, "its sequences are nested too deeply");
   }
 }
 
 // Checks the memory that DCMTK needs for the file itself. A deflated file is decompressed as it is read.
 void check_file(const std::filesystem::path& path, const Reading& reading) {
-  constexpr double deflate = 1032;
+  constexpr double kDeflate = 1032;
   const std::string content = read_whole(path, reading);
   const bool deflated = content.substr(0, 1024).find("1.2.840.10008.1.2.1.99") != std::string::npos;
-  require_memory((deflated ? deflate : 3) * content.size(), reading.memory, "'" + path.string() + "'");
+  require_memory((deflated ? kDeflate : 3) * content.size(), reading.memory, "'" + path.string() + "'");
   check_nesting(content, path);
 }
 
@@ -233,7 +234,7 @@ DicomFile read_file(const std::filesystem::path& path, std::size_t number, const
     numbers_of(set, DCM_SliceThickness, true, 1, &s.thickness);
   s.thickness = std::abs(s.thickness);
   add_slices(set, s, number, slices);
-  s.values.resize(static_cast<std::size_t>(count));
+  s.values.resize(count);
   read_pixels(set, s);
   return s;
 }
@@ -368,12 +369,12 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
     // A file's values stay in memory; they are also in the volume and in the reoriented copy.
     reading.memory -= std::min<std::uint64_t>(reading.memory, 3 * sizeof(float) * files.back().values.size());
     require_one_series(files.front(), files.back());
-    work.progress(static_cast<double>(files.size()) / paths.size());
+    work.done(files.size(), paths.size());
   }
   LoadedScan scan;
   const Slice first = slices.front();
   const Vec3 normal = first.across.cross(first.down).normalized();
-  scan.size = Vec3i(files[0].width, files[0].height, static_cast<int>(slices.size()));
+  scan.size = Vec3i(files[0].width, files[0].height, count_of(slices));
   scan.spacing = Vec3(first.dx, first.dy, files[0].thickness);
   if (slices.size() > 1) {
     require_one_stack(slices);
@@ -382,7 +383,7 @@ LoadedScan read_dicom(const std::vector<std::filesystem::path>& paths, const Wor
   }
   allocate(scan, paths[0].string(), given);
   // Each slice may have its own rescale (as in PET), so the values are rescaled here.
-  const std::size_t plane = static_cast<std::size_t>(files[0].width) * files[0].height;
+  const std::size_t plane = pixels_in(files[0].width, files[0].height);
   bool rescaled = true;
   std::size_t at = 0;
   for (const Slice& s : slices) {

@@ -124,8 +124,7 @@ void place_meta_axes(LoadedScan& s, const MetaHeader& header, std::size_t axes,
       numbers_in(header, {"TransformMatrix", "Rotation", "Orientation"}, axes * axes, path);
   Mat3 matrix = Mat3::Identity();
   for (std::size_t k = 0; k < 3 && axes >= 3 && !turned.empty(); ++k)
-    for (std::size_t i = 0; i < 3; ++i)
-      matrix(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = turned[k * axes + i];
+    for (std::size_t i = 0; i < 3; ++i) matrix(i, k) = turned[k * axes + i];
   // A file that names an anatomical orientation has its matrix in the patient's space, whose x points to the
   // left and whose y to the back.
   const std::string anatomy = header.field("AnatomicalOrientation");

@@ -90,7 +90,7 @@ void place_mrc_axes(LoadedScan& s, const MrcHeader& h, const std::filesystem::pa
     const std::int32_t axis = unset ? static_cast<std::int32_t>(k) + 1 : h.whole(17 + k);
     if (axis < 1 || axis > 3) throw bad_mrc(path, fmt::format("axis {} of space does not exist", axis));
     const std::size_t to = axis - 1;
-    axes(axis - 1, static_cast<Eigen::Index>(k)) = 1;
+    axes(axis - 1, k) = 1;
     const double cell = h.real(11 + to) * kMmPerAngstrom;
     const std::int32_t intervals = h.whole(8 + to);
     s.spacing[k] = intervals > 0 && std::isfinite(cell) && cell > 0 ? cell / intervals : 0;

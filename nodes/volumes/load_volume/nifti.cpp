@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "nodes/volumes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -63,7 +64,7 @@ struct Header {
 // The library allocates whatever the extensions claim, up to the offset of the voxels, so that offset must be
 // within the file.
 void check_header(const std::filesystem::path& path) {
-  constexpr double deflate = 1032;  // the most bytes that one compressed byte can expand to
+  constexpr double kDeflate = 1032;  // the most bytes that one compressed byte can expand to
   const Header header(path);
   if (!header.bytes) throw unreadable(path, "it has no valid header");
   if (header.version != 1 && header.version != 2) return;
@@ -84,7 +85,7 @@ void check_header(const std::filesystem::path& path) {
     size += static_cast<double>(std::filesystem::file_size(file));
     packed = packed || nifti_is_gzfile(file.c_str());
   }
-  if (!(begin >= 0 && begin <= size * (packed ? deflate : 1)))
+  if (!(begin >= 0 && begin <= size * (packed ? kDeflate : 1)))
     throw unreadable(path, fmt::format("its voxels begin at byte {:.0f} of {:.0f}", begin, size));
 }
 
@@ -175,14 +176,14 @@ void read_voxels(const nifti_image& n, const NumberType& type, const std::filesy
       znzseek(file.get(), static_cast<znz_off_t>(n.iname_offset), SEEK_SET) < 0)
     throw unreadable(path, "the file contains no voxels");
   std::vector<char> slab;
-  const std::size_t plane = static_cast<std::size_t>(s.size.x()) * s.size.y();
+  const std::size_t plane = pixels_in(s.size.x(), s.size.y());
   for (int z = 0; z < s.size.z(); ++z) {
     work.check();
     slab.resize(plane * static_cast<std::size_t>(n.nbyper));
     if (znzread(slab.data(), 1, slab.size(), file.get()) != slab.size())
       throw unreadable(path, fmt::format("it ends at slice {} of {}", z, s.size.z()));
     append_numbers(s, type, std::string_view(slab.data(), slab.size()), path.string());
-    work.progress(static_cast<double>(z + 1) / s.size.z());
+    work.done(z + 1, s.size.z());
   }
   // A compressed file ends with a checksum, which zlib verifies only once all data is read.
   slab.resize(1 << 16);
@@ -224,9 +225,8 @@ LoadedScan read_nifti(const std::filesystem::path& path, const Work& work, const
   if (s.size.cast<double>().prod() <= 2147483648.0)
     check_plausible(s.size.cast<double>().prod() * n.nbyper, n.iname ? n.iname : path.c_str());
   require_voxels(s, path.string(), reading, double(s.size.x()) * s.size.y() * n.nbyper);
-  constexpr int most_significant_first =
-      2;  // MSB_FIRST, which the header defines only for the library itself
-  type->big_endian = n.byteorder == most_significant_first;
+  constexpr int kMostSignificantFirst = 2;  // MSB_FIRST, which the header defines only for the library itself
+  type->big_endian = n.byteorder == kMostSignificantFirst;
 
   read_voxels(n, *type, path, s, work);
   if (n.scl_slope != 0) {

@@ -36,9 +36,9 @@ constexpr ScanFormat kScanFormats[] = {{"NIfTI", is_nifti, read_nifti},
                                        {"MetaImage", is_metaimage, read_metaimage},
                                        {"MRC", is_mrc, read_mrc}};
 
-SliceChoice slice_choice(const Context& c) { return {page_choice(c), c.text("order") == "stored"}; }
+SliceOptions slice_choice(const Context& c) { return {page_choice(c), c.text("order") == "stored"}; }
 
-LoadedScan read(const std::vector<std::filesystem::path>& files, const SliceChoice& slices, const Work& work,
+LoadedScan read(const std::vector<std::filesystem::path>& files, const SliceOptions& slices, const Work& work,
                 const Reading& reading) {
   for (const ScanFormat& format : kScanFormats)
     if (format.is(files[0])) {

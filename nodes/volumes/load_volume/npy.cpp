@@ -6,6 +6,7 @@
 
 #include "graph/diagnostic.h"
 #include "graph/input_file.h"
+#include "nodes/data/indices.h"
 #include "nodes/volumes/load_volume/stored_numbers.h"
 
 namespace terrazzo::load_volume {
@@ -72,8 +73,7 @@ void turn_from_c_order(std::vector<T>& values, const Vec3i& size, const Work& wo
   for (int x = 0; x < size.x(); ++x) {
     work.check();
     for (int y = 0; y < size.y(); ++y)
-      for (int z = 0; z < size.z(); ++z)
-        turned[(static_cast<std::size_t>(z) * size.y() + y) * size.x() + x] = values[i++];
+      for (int z = 0; z < size.z(); ++z) turned[voxel_at(x, y, z, size)] = values[i++];
   }
   values = std::move(turned);
 }

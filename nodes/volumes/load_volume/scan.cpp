@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/grid/smallest_voxel.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::load_volume {
 
@@ -25,7 +26,7 @@ void require_voxels(const LoadedScan& s, const std::string& file, const Reading&
 
 void allocate(LoadedScan& s, const std::string& file, const Reading& reading, double more) {
   require_voxels(s, file, reading, more);
-  s.values.resize(static_cast<std::size_t>(s.size.cast<double>().prod()));
+  s.values.resize(s.size.cast<double>().prod());
 }
 
 void require_representable(const Vec3& s) {
@@ -52,11 +53,11 @@ void check_plausible(double bytes, const std::filesystem::path& path) {
 
 void align_axes(LoadedScan& s, const Mat3& axes) {
   // Choose the assignment of index axes to axes of space that best preserves their directions.
-  static constexpr std::array<std::array<int, 3>, 6> orders = {
+  static constexpr std::array<std::array<int, 3>, 6> kOrders = {
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
-  std::array<int, 3> to = orders[0];  // index axis k becomes axis to[k]
+  std::array<int, 3> to = kOrders[0];  // index axis k becomes axis to[k]
   double best = -1;
-  for (const auto& o : orders) {
+  for (const auto& o : kOrders) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) sum += std::abs(axes(o[k], k)) / axes.col(k).norm();
     if (sum > best + 1e-9) {
@@ -80,7 +81,7 @@ void align_axes(LoadedScan& s, const Mat3& axes) {
   if (same) return;
   const Vec3i old = s.size;
   const std::array<std::size_t, 3> stride = {1, static_cast<std::size_t>(old.x()),
-                                             static_cast<std::size_t>(old.x()) * old.y()};
+                                             pixels_in(old.x(), old.y())};
   const Vec3 spacing = s.spacing;
   for (int k = 0; k < 3; ++k) {
     s.size[k] = old[from[k]];

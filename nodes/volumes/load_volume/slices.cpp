@@ -8,6 +8,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/io/pictures/stored_picture.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::load_volume {
 namespace {
@@ -67,9 +68,9 @@ float as_float(double stored, bool is_float) {
 
 // Whole numbers stay whole as long as all of them fit.
 void append(LoadedScan& scan, double stored, bool is_float) {
-  constexpr double least = std::numeric_limits<std::int32_t>::min(),
-                   most = std::numeric_limits<std::int32_t>::max();
-  if (scan.values.empty() && !is_float && stored >= least && stored <= most) {
+  constexpr double kLeast = std::numeric_limits<std::int32_t>::min(),
+                   kMost = std::numeric_limits<std::int32_t>::max();
+  if (scan.values.empty() && !is_float && stored >= kLeast && stored <= kMost) {
     scan.whole.push_back(static_cast<std::int32_t>(stored));
     return;
   }
@@ -96,15 +97,13 @@ void append_page(const PictureContent& content, const ChosenPage& chosen, Loaded
   const int sample = sample_of(s, chosen.channel, content.path);
   note_kind(s, scan);
   for (int y = s.height - 1; y >= 0; --y)
-    for (int x = 0; x < s.width; ++x)
-      append(scan, s.at(static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) + x, sample),
-             s.is_float);
+    for (int x = 0; x < s.width; ++x) append(scan, s.at(pixel_at(x, y, s.width), sample), s.is_float);
   ++scan.size.z();
 }
 
 }  // namespace
 
-LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const SliceChoice& choice,
+LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const SliceOptions& choice,
                        const Work& work, const Reading& reading) {
   LoadedScan scan;
   for (std::size_t i = 0; i < paths.size(); ++i) {
@@ -115,7 +114,7 @@ LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const Sl
       work.check();
       append_page(content, slice, scan, reading);
     }
-    work.progress(static_cast<double>(i + 1) / paths.size());
+    work.done(i + 1, paths.size());
   }
   return scan;
 }

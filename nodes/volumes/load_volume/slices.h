@@ -6,8 +6,8 @@
 
 namespace terrazzo::load_volume {
 
-struct SliceChoice {
-  PageChoice choice;
+struct SliceOptions {
+  PageOptions choice;
   bool stored_order = false;  // all pages are slices, whatever the metadata say
 };
 
@@ -15,7 +15,7 @@ struct SliceChoice {
 // the bottom up; numbers are kept as stored, whole ones of up to 31 bits exactly. Throws Error
 // "unreadable-image", "size-mismatch", "not-a-volume" (colors), "too-large", "several-pages" and
 // "several-channels".
-LoadedScan read_slices(const std::vector<std::filesystem::path>&, const SliceChoice& = {}, const Work& = {},
+LoadedScan read_slices(const std::vector<std::filesystem::path>&, const SliceOptions& = {}, const Work& = {},
                        const Reading& = {});
 
 }  // namespace terrazzo::load_volume

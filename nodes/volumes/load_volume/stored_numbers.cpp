@@ -29,7 +29,7 @@ std::uint64_t bits_at(std::string_view bytes, std::size_t at, const NumberType& 
 
 // IEEE 754 binary16.
 double half_number(std::uint64_t bits) {
-  const int exponent = static_cast<int>(bits >> 10 & 31);
+  const int exponent = bits >> 10 & 31;
   const double fraction = static_cast<double>(bits & 1023), sign = bits >> 15 & 1 ? -1 : 1;
   if (exponent == 31) return fraction != 0 ? std::numeric_limits<double>::quiet_NaN() : sign * HUGE_VAL;
   return exponent == 0 ? sign * std::ldexp(fraction, -24) : sign * std::ldexp(fraction + 1024, exponent - 25);
@@ -72,7 +72,7 @@ void append_real(LoadedScan& s, double v, bool exact) {
 }
 
 void reserve(LoadedScan& s, const NumberType& type) {
-  const auto voxels = static_cast<std::size_t>(s.size.cast<double>().prod());
+  const std::size_t voxels = s.size.cast<double>().prod();
   if (type.kind == NumberType::Kind::Float && (type.bytes != 8 || !s.values.empty()))
     s.values.reserve(voxels);
   else
@@ -99,7 +99,7 @@ void append_numbers(LoadedScan& s, const NumberType& type, std::string_view byte
       if (bits > std::numeric_limits<std::int32_t>::max()) beyond(s, file, fmt::format("{}", bits));
       s.whole.push_back(static_cast<std::int32_t>(bits));
     } else {
-      const auto shift = static_cast<int>(64 - 8 * type.bytes);
+      const int shift = 64 - 8 * type.bytes;
       append_whole(s, static_cast<std::int64_t>(bits << shift) >> shift, file);
     }
   }
@@ -180,7 +180,7 @@ void take_voxels(LoadedScan& s, const StoredArray& array, const std::filesystem:
   const double bytes = s.size.cast<double>().prod() * static_cast<double>(array.type.bytes);
   const bool packed = array.encoding == StoredArray::Encoding::Deflated;
   require_voxels(s, file, reading, static_cast<double>(array.content) + (packed ? bytes : 0));
-  const auto count = static_cast<std::size_t>(s.size.cast<double>().prod());
+  const std::size_t count = s.size.cast<double>().prod();
   const auto too_short = [&](const char* unit, double needed) {
     return Error("unreadable-volume",
                  fmt::format("'{}' has {} bytes of voxels, but {} × {} × {} voxels need {:.0f} {}", file,
@@ -196,7 +196,7 @@ void take_voxels(LoadedScan& s, const StoredArray& array, const std::filesystem:
   }
   if (packed) check_plausible(bytes, path);
   if (!packed && bytes > static_cast<double>(array.data.size())) throw too_short("bytes", bytes);
-  const auto size = static_cast<std::size_t>(bytes);
+  const std::size_t size = bytes;
   if (!packed && array.data.size() > size)
     s.notes.push_back(fmt::format("{} bytes after the voxels are ignored", array.data.size() - size));
   const std::string plain = packed ? inflate_exactly(array.data, size, file) : std::string();

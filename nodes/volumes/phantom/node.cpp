@@ -17,7 +17,7 @@ void check(const NodeParameters& p) {
 }
 
 void compute(Context& c) {
-  LimbChoice limb;
+  LimbOptions limb;
   limb.length = c.number("length");
   limb.noise = c.number("noise");
   limb.seed = c.seed();
@@ -26,7 +26,7 @@ void compute(Context& c) {
     limb.resolution = Vec3i(static_cast<int>(r[0]), static_cast<int>(r[1]), static_cast<int>(r[2]));
   else
     for (int k = 0; k < 3; ++k)
-      limb.resolution[k] = std::max(2, static_cast<int>(limb.box()[k] / limb.length * r[0] + 0.5));
+      limb.resolution[k] = std::max<int>(2, limb.box()[k] / limb.length * r[0] + 0.5);
   const std::vector<float> values = phantom::limb(limb, c.work().part(0, 0.9));
   Volume volume;
   add_number_grid(volume, "density", limb.resolution, limb.spacing(), c.work().part(0.9, 1),

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/noise.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::phantom {
@@ -113,13 +114,13 @@ class Limb {
 
 }  // namespace
 
-std::vector<float> limb(const LimbChoice& choice, const Work& work) {
+std::vector<float> limb(const LimbOptions& choice, const Work& work) {
   const Vec3i n = choice.resolution;
   const double scale = 240 / choice.length;
   const Vec3 step = scale * choice.spacing();
   const Limb body(choice.seed, 0.6 * std::max(0.4, step.head<2>().maxCoeff()));
   const Vec3 corner(-80, -80, 0);
-  std::vector<float> out(static_cast<std::size_t>(n.x()) * n.y() * n.z());
+  std::vector<float> out(voxels_in(n));
   const std::size_t rows = static_cast<std::size_t>(n.y()) * n.z();
   work.parallel(rows, 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) {

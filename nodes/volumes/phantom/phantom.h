@@ -10,7 +10,7 @@
 
 namespace terrazzo::phantom {
 
-struct LimbChoice {
+struct LimbOptions {
   Vec3i resolution = Vec3i(80, 80, 120);
   double length = 240;  // mm, along z; width and depth are two thirds of it
   double noise = 8;     // standard deviation of each voxel, Hounsfield units
@@ -24,6 +24,6 @@ struct LimbChoice {
 // air at the other end. Surfaces are antialiased: a voxel shared by several tissues has their mean. Pure
 // values are −1000 for air, near −100 for fat, 55 for muscle, −60 for marrow, and 1200 for compact bone.
 // Skin, a layer of 2 mm, has −250, because scanned voxels contain both skin and air.
-std::vector<float> limb(const LimbChoice&, const Work& = {});
+std::vector<float> limb(const LimbOptions&, const Work& = {});
 
 }  // namespace terrazzo::phantom

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::render_volume {
 namespace {
 
@@ -24,7 +26,7 @@ bool any_visible(const DensityIntervals& intervals, const ScanField& scan, std::
 Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const Work& work) {
   // Cells from 0 to size: one before the first voxel's center, one after the last's.
   count_ = (scan.size.array() + 1 + kCells - 1) / kCells;
-  const std::size_t total = static_cast<std::size_t>(count_.x()) * count_.y() * count_.z();
+  const std::size_t total = voxels_in(count_);
   distance_.assign(total, 255), place_.assign(total, -1);
   const auto each = [&](const auto& body) {
     work.parallel(total, 64, [&](std::size_t begin, std::size_t end) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/volumes/render_volume/scan_field.h"
 #include "nodes/volumes/render_volume/tissue.h"
 
@@ -23,9 +24,7 @@ class Bricks {
   // Positions count voxels; voxel 0 has its center at 1. Cells begin at 0, half a voxel before the volume,
   // since voxels beyond the border equal those at it.
   const Vec3i& count() const { return count_; }  // bricks per side
-  std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(z) * count_.y() + y) * count_.x() + x;
-  }
+  std::size_t index(int x, int y, int z) const { return voxel_at(x, y, z, count_); }
   // 0: this brick contains visible densities. Otherwise the distance in bricks to the nearest visible one,
   // where a diagonal counts as one; at most 255.
   std::uint8_t distance(std::size_t brick) const { return distance_[brick]; }

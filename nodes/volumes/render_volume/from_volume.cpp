@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 #include "nodes/volumes/render_volume/scan_field.h"
 #include "nodes/volumes/render_volume/solid_texture.h"
@@ -14,7 +15,7 @@ namespace {
 template <class Grid>
 std::vector<float> values_of(const Grid& grid, const openvdb::CoordBBox& box, const Work& work) {
   const openvdb::Coord n = box.dim();
-  std::vector<float> out(static_cast<std::size_t>(n.x()) * n.y() * n.z());
+  std::vector<float> out(box.volume());
   work.parallel(n.z(), 1, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid.getConstAccessor();
     for (std::size_t z = begin; z < end; ++z)
@@ -89,7 +90,7 @@ SolidTexture SolidTexture::of(const Volume& volume, const Work& work) {
     throw Error("empty-volume", "a texture has no voxels, or more than 2^30",
                 "connect a solid texture, for example from SolidOptimize");
   const Vec3i size(box.dim().x(), box.dim().y(), box.dim().z());
-  std::vector<Vec3f> colors(static_cast<std::size_t>(voxels));
+  std::vector<Vec3f> colors(voxels);
   work.parallel(size.z(), 1, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid->getConstAccessor();
     for (std::size_t z = begin; z < end; ++z)

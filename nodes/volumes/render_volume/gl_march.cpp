@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/gl/gl_program.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::render_volume {
 namespace {
@@ -151,9 +152,9 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.set("size", Vec3f(scene.scan.size.cast<float>()));
   gl.set("opacity", float(look.opacity));
   gl.set("skin_noise", float(look.skin_noise)), gl.set("skin_scale", float(look.skin_scale));
-  gl.Uniform1ui(gl.at("skin_seed"), static_cast<GLuint>(look.seed));
+  gl.Uniform1ui(gl.at("skin_seed"), look.seed);
   gl.set("background", look.background);
-  gl.set("edge_count", static_cast<int>(scene.intervals.edges.size()));
+  gl.set("edge_count", count_of(scene.intervals.edges));
   for (std::size_t i = 0; i < scene.intervals.edges.size(); ++i)
     gl.set(fmt::format("edges[{}]", i), scene.scan.stored(scene.intervals.edges[i]));
   for (std::size_t i = 0; i < scene.intervals.tissue.size(); ++i)
@@ -200,16 +201,16 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
     }
   }
   // Render in bands, so that cancelling does not wait for a whole picture of a software renderer.
-  constexpr int band = 32;
-  for (int y = 0; y < height; y += band) {
+  constexpr int kBand = 32;
+  for (int y = 0; y < height; y += kBand) {
     work.check();
-    gl.Scissor(0, y, width, std::min(band, height - y));
+    gl.Scissor(0, y, width, std::min(kBand, height - y));
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
     if (gl.software) gl.Finish();
-    work.progress(static_cast<double>(y) / height);
+    work.done(y, height);
   }
   gl.check();
-  const std::size_t pixels = static_cast<std::size_t>(width) * height;
+  const std::size_t pixels = pixels_in(width, height);
   std::vector<float> read(4 * pixels);
   std::vector<Vec3f> out(pixels);
   gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
@@ -217,7 +218,7 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const float* p = &read[4 * (static_cast<std::size_t>(height - 1 - y) * width + x)];
-      out[static_cast<std::size_t>(y) * width + x] = Vec3f(p[0], p[1], p[2]);
+      out[pixel_at(x, y, width)] = Vec3f(p[0], p[1], p[2]);
     }
   gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
   gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, read.data());

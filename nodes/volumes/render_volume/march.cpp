@@ -8,6 +8,7 @@
 #include <emmintrin.h>
 #endif
 
+#include "nodes/data/indices.h"
 #include "nodes/volumes/render_volume/scene.h"
 #include "nodes/volumes/render_volume/simplex.h"
 
@@ -37,19 +38,19 @@ using FourInts = std::int32_t __attribute__((vector_size(16)));
 
 // Trilinear interpolation of stored voxels; q is the corner with the smallest coordinates.
 [[gnu::always_inline]] inline float between(const std::uint16_t* q, float fx, float fy, float fz) {
-  constexpr int row = Bricks::kSide, slice = row * row;
+  constexpr int kRow = Bricks::kSide, kSlice = kRow * kRow;
 #if defined(__SSE2__)
   const auto pair = [](const std::uint16_t* at) {
     std::int32_t v;
     std::memcpy(&v, at, 4);
     return v;
   };
-  const __m128i both = _mm_set_epi32(pair(q + slice + row), pair(q + slice), pair(q + row), pair(q));
+  const __m128i both = _mm_set_epi32(pair(q + kSlice + kRow), pair(q + kSlice), pair(q + kRow), pair(q));
   const Four a = _mm_cvtepi32_ps(_mm_and_si128(both, _mm_set1_epi32(0xffff)));
   const Four b = _mm_cvtepi32_ps(_mm_srli_epi32(both, 16));
 #else
-  const Four a = {float(q[0]), float(q[row]), float(q[slice]), float(q[slice + row])};
-  const Four b = {float(q[1]), float(q[row + 1]), float(q[slice + 1]), float(q[slice + row + 1])};
+  const Four a = {float(q[0]), float(q[kRow]), float(q[kSlice]), float(q[kSlice + kRow])};
+  const Four b = {float(q[1]), float(q[kRow + 1]), float(q[kSlice + 1]), float(q[kSlice + kRow + 1])};
 #endif
   const Four r = mix(a, b, fx);
   const float near = r[0] + (r[1] - r[0]) * fy, far = r[2] + (r[3] - r[2]) * fy;
@@ -255,7 +256,7 @@ class Marcher {
   template <class See>
   [[gnu::always_inline]] void walk(const Ray& ray, FrameCounts& counts, See&& see) const {
     const float h = frame_.step, length = ray.to - ray.from;
-    const int last = static_cast<int>(std::ceil(length / h));
+    const int last = round_up(length / h);
     const bool skip = scene_.look.skip_empty;
     bool have = false, cut = false;
     float d0 = 0, t0 = 0;
@@ -415,17 +416,17 @@ class Marcher {
 std::vector<Vec3f> march(const Scene& scene, const Frame& frame, const Bricks& bricks, FrameCounts& counts,
                          const Work& work) {
   const int width = scene.look.width, height = scene.look.height, samples = scene.look.samples;
-  std::vector<Vec3f> out(static_cast<std::size_t>(width) * height);
+  std::vector<Vec3f> out(pixels_in(width, height));
   const Marcher marcher(scene, frame, bricks);
-  constexpr int tile = 16;
-  const int across = (width + tile - 1) / tile, down = (height + tile - 1) / tile;
+  constexpr int kTile = 16;
+  const int across = (width + kTile - 1) / kTile, down = (height + kTile - 1) / kTile;
   std::vector<FrameCounts> parts(static_cast<std::size_t>(across) * down);
   work.parallel(parts.size(), 1, [&](std::size_t begin, std::size_t) {
-    const int x0 = static_cast<int>(begin) % across * tile, y0 = static_cast<int>(begin) / across * tile;
+    const int x0 = static_cast<int>(begin) % across * kTile, y0 = static_cast<int>(begin) / across * kTile;
     FrameCounts count;
-    for (int y = y0; y < std::min(y0 + tile, height); ++y) {
+    for (int y = y0; y < std::min(y0 + kTile, height); ++y) {
       work.check();
-      for (int x = x0; x < std::min(x0 + tile, width); ++x) {
+      for (int x = x0; x < std::min(x0 + kTile, width); ++x) {
         Vec3f sum = Vec3f::Zero();
         for (int j = 0; j < samples; ++j)
           for (int i = 0; i < samples; ++i)
@@ -433,7 +434,7 @@ std::vector<Vec3f> march(const Scene& scene, const Frame& frame, const Bricks& b
                        .color(float(x) + (float(i) + 0.5f) / float(samples),
                               float(y) + (float(j) + 0.5f) / float(samples), count)
                        .cwiseMin(1.0f);
-        out[static_cast<std::size_t>(y) * width + x] = sum / float(samples * samples);
+        out[pixel_at(x, y, width)] = sum / float(samples * samples);
       }
     }
     parts[begin] = count;

@@ -93,8 +93,8 @@ void show_coarse(Context& c, Scene& scene, const Bricks& bricks) {
   constexpr double kRays = 20000;
   const Look look = scene.look;
   const double reduced = std::min(1.0, std::sqrt(kRays / (double(look.width) * look.height)));
-  scene.look.width = std::max(1, static_cast<int>(reduced * look.width));
-  scene.look.height = std::max(1, static_cast<int>(reduced * look.height));
+  scene.look.width = std::max<int>(1, reduced * look.width);
+  scene.look.height = std::max<int>(1, reduced * look.height);
   scene.look.samples = 1;
   Image image(scene.look.width, scene.look.height, 1, 1);
   FrameCounts ignored;

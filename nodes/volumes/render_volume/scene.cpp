@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::render_volume {
 namespace {
@@ -47,7 +48,7 @@ Scene::Scene(ScanField s, std::vector<Tissue> t, std::vector<SolidTexture> x, co
   std::vector<std::string> wanting;
   for (const Tissue& tissue : tissues) {
     const bool wants = !textures.empty() && tissue.finish == Finish::Texture;
-    texture.push_back(wants ? static_cast<int>(wanting.size()) : -1);
+    texture.push_back(wants ? count_of(wanting) : -1);
     if (wants) wanting.push_back(tissue.name);
   }
   if (wanting.size() > textures.size())
@@ -70,7 +71,7 @@ namespace {
 // A camera for a box with these half edges around 0, in mm. It is as close as it can be in all frames of a
 // turn, so that nothing is cut off and the distance stays constant.
 Camera camera_of(const Look& look, const Vec3f& half, float azimuth) {
-  constexpr float degree = 0.0174532925f, field = 0.38f, fill = 0.94f;
+  constexpr float kDegree = 0.0174532925f, kField = 0.38f, kFill = 0.94f;
   // The axes of the picture's world are those of the scan, rotated so that `up` becomes z.
   const int z = look.up, x = (z + 1) % 3, y = (z + 2) % 3;
   const auto turned = [&](const Vec3f& v) {
@@ -81,16 +82,16 @@ Camera camera_of(const Look& look, const Vec3f& half, float azimuth) {
     return out;
   };
   const Eigen::AlignedBox3f unit(Vec3f(Vec3f::Constant(-1)), Vec3f(Vec3f::Ones()));
-  Camera c = Camera::framing(unit, degree * azimuth, degree * static_cast<float>(look.elevation), look.width,
-                             look.height, field, fill);
+  Camera c = Camera::framing(unit, kDegree * azimuth, kDegree * static_cast<float>(look.elevation),
+                             look.width, look.height, kField, kFill);
   const Vec3f box(half[x], half[y], half[z]);
   float distance = 0;
   for (int step = 0; step < 72; ++step)
     for (int k = 0; k < 8; ++k) {
       const Vec3f corner(k & 1 ? box.x() : -box.x(), k & 2 ? box.y() : -box.y(), k & 4 ? box.z() : -box.z());
-      const Vec3f v = Eigen::AngleAxisf(degree * 5 * step, Vec3f::UnitZ()) * corner;
-      distance = std::max({distance, std::abs(v.dot(c.right)) / (fill * c.half_width) - v.dot(c.forward),
-                           std::abs(v.dot(c.up)) / (fill * c.half_height) - v.dot(c.forward)});
+      const Vec3f v = Eigen::AngleAxisf(kDegree * 5 * step, Vec3f::UnitZ()) * corner;
+      distance = std::max({distance, std::abs(v.dot(c.right)) / (kFill * c.half_width) - v.dot(c.forward),
+                           std::abs(v.dot(c.up)) / (kFill * c.half_height) - v.dot(c.forward)});
     }
   c.half_width /= static_cast<float>(look.zoom);
   c.half_height /= static_cast<float>(look.zoom);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 
 namespace terrazzo::render_volume {
@@ -21,8 +22,7 @@ inline std::uint32_t simplex_hash(std::uint32_t seed, int i, int j, int k) {
 // Mean 0, within −1 … 1; cells about 1 wide.
 inline float simplex(std::uint32_t seed, const Vec3f& p) {
   const float skew = (p.x() + p.y() + p.z()) / 3.0f;
-  const int i = static_cast<int>(std::floor(p.x() + skew)), j = static_cast<int>(std::floor(p.y() + skew)),
-            k = static_cast<int>(std::floor(p.z() + skew));
+  const int i = round_down(p.x() + skew), j = round_down(p.y() + skew), k = round_down(p.z() + skew);
   const float back = float(i + j + k) / 6.0f;
   const Vec3f d(p.x() - (float(i) - back), p.y() - (float(j) - back), p.z() - (float(k) - back));
   // The order of the coordinates selects the edges that lead to the opposite corner.

@@ -5,6 +5,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/directions.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::render_volume {
@@ -16,7 +17,7 @@ std::vector<Vec3f> halved(const std::vector<Vec3f>& in, Vec3i& size, int axis, c
   if (m == n) return in;
   const std::size_t stride = axis == 0   ? 1
                              : axis == 1 ? static_cast<std::size_t>(size.x())
-                                         : static_cast<std::size_t>(size.x()) * size.y();
+                                         : pixels_in(size.x(), size.y());
   const std::size_t outer = in.size() / (stride * n);
   std::vector<Vec3f> out(outer * stride * m);
   const double ratio = static_cast<double>(n) / m;
@@ -26,7 +27,7 @@ std::vector<Vec3f> halved(const std::vector<Vec3f>& in, Vec3i& size, int axis, c
         const double from = j * ratio, to = (j + 1) * ratio;
         for (std::size_t s = 0; s < stride; ++s) {
           Vec3f sum = Vec3f::Zero();
-          for (int i = static_cast<int>(from); i < n && i < to; ++i) {
+          for (int i = from; i < n && i < to; ++i) {
             const double weight = std::min(to, i + 1.0) - std::max(from, double(i));
             sum += static_cast<float>(weight / ratio) * in[(o * n + i) * stride + s];
           }
@@ -78,8 +79,7 @@ Placement placement(const SolidTexture& texture, double scale, double footprint,
   Placement p;
   const double texel = texture.texel * scale;  // mm, at level 0
   const double level = std::log2(std::max(footprint / texel, 1e-9));
-  p.level =
-      std::clamp(static_cast<int>(std::floor(level + 0.5)), 0, static_cast<int>(texture.levels.size()) - 1);
+  p.level = std::clamp(round_down(level + 0.5), 0, count_of(texture.levels) - 1);
   // Levels with odd sizes shrink by slightly more or less than two.
   const Vec3f ratio =
       texture.levels[p.level].size.cast<float>().cwiseQuotient(texture.levels[0].size.cast<float>());

@@ -1,11 +1,13 @@
 #include "nodes/volumes/voxelize/binder_detail.h"
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::voxelize {
 
 BinderDetail::BinderDetail(const residual::ResidualField& field, const Slab& slab, double voxel,
                            const Work& work)
     : planes(static_cast<std::size_t>(slab.z1 - slab.z0)) {
-  const std::size_t plane = static_cast<std::size_t>(slab.lattice.x()) * slab.lattice.y();
+  const std::size_t plane = pixels_in(slab.lattice.x(), slab.lattice.y());
   work.parallel(planes.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       for (std::size_t at = 0; at < plane; ++at) {

@@ -13,7 +13,7 @@ namespace terrazzo::voxelize {
 
 // The center in mm of cell `at` of plane z.
 inline Vec3f center_of(const Slab& slab, std::size_t at, int z, double voxel) {
-  const auto nx = static_cast<std::size_t>(slab.lattice.x());
+  const std::size_t nx = slab.lattice.x();
   return ((Vec3(static_cast<double>(at % nx), static_cast<double>(at / nx), z).array() + 0.5) * voxel)
       .matrix()
       .cast<float>();

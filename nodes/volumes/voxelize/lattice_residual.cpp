@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/geometry/tile_fit.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 
 namespace terrazzo::voxelize {
@@ -20,7 +21,7 @@ double sinc(double x) { return x == 0 ? 1 : std::sin(std::numbers::pi * x) / (st
 
 // One period as a dense array, x fastest.
 std::vector<Vec3f> dense(const openvdb::Vec3SGrid& grid, const Vec3i& size, const Work& work) {
-  std::vector<Vec3f> out(static_cast<std::size_t>(size.x()) * size.y() * size.z());
+  std::vector<Vec3f> out(voxels_in(size));
   work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {
     auto accessor = grid.getConstAccessor();
     for (std::size_t k = begin; k < end; ++k)
@@ -42,8 +43,8 @@ std::vector<LatticeResidual::Taps> LatticeResidual::taps(int out, int in, int pe
   for (int i = 0; i < out; ++i) {
     double u = (i + 0.5) * ratio - 0.5;
     if (std::abs(u - std::round(u)) < 1e-9) u = std::round(u);
-    const int first = static_cast<int>(std::floor(u - kLobes * width)) + 1;
-    const int last = static_cast<int>(std::ceil(u + kLobes * width)) - 1;
+    const int first = round_down(u - kLobes * width) + 1;
+    const int last = round_up(u + kLobes * width) - 1;
     double sum = 0;
     std::vector<double> w;
     for (int s = first; s <= last; ++s) {
@@ -96,7 +97,7 @@ LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice,
           Vec3f sum = Vec3f::Zero();
           for (std::size_t t = 0; t < x[i].weight.size(); ++t)
             sum += x[i].weight[t] * row[wrap_index(x[i].first + static_cast<int>(t), in.x())];
-          rows[static_cast<std::size_t>(j) * nx + i] = sum;
+          rows[pixel_at(i, j, nx)] = sum;
         }
       }
       for (int j = 0; j < ny; ++j) {
@@ -115,7 +116,7 @@ LatticeResidual::LatticeResidual(const Volume& residual, const Lattice& lattice,
 }
 
 void LatticeResidual::add_plane(int k, Vec3f* colors) const {
-  const std::size_t plane = static_cast<std::size_t>(lattice_.size.x()) * lattice_.size.y();
+  const std::size_t plane = pixels_in(lattice_.size.x(), lattice_.size.y());
   for (std::size_t t = 0; t < z_[k].weight.size(); ++t) {
     const float w = z_[k].weight[t];
     if (w == 0) continue;

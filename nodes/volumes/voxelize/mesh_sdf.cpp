@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/volumes/voxelize/block_distances.h"
 
 namespace terrazzo::voxelize {
@@ -12,7 +13,7 @@ MeshSdf::MeshSdf(const Mesh& mesh, int cells, double band, const Work& work) {
   for (const auto& v : mesh.vertices) bounds.extend(v);
   spacing_ = bounds.sizes().maxCoeff() / cells;
   far_ = band * spacing_;
-  const int margin = static_cast<int>(std::ceil(band)) + 1;
+  const int margin = round_up(band) + 1;
   origin_ = bounds.min() - Vec3::Constant(margin * spacing_);
   box_.size = ((bounds.sizes() / spacing_).array().ceil().cast<int>() + 2 * margin + 1).matrix();
 
@@ -48,7 +49,7 @@ float MeshSdf::at(const Vec3& p) const {
   for (int a = 0; a < 3; ++a) {
     if (!(q[a] >= 0) || q[a] >= box_.size[a] - 1) return far_;
     i[a] = static_cast<std::size_t>(q[a]);
-    t[a] = q[a] - static_cast<double>(i[a]);
+    t[a] = q[a] - i[a];
   }
   const std::size_t sx = box_.size.x(), sxy = sx * box_.size.y();
   const float* n = nodes_.data() + i[2] * sxy + i[1] * sx + i[0];

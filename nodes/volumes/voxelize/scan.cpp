@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::voxelize {
 namespace {
 
@@ -26,9 +28,7 @@ PlanePoint on_edge(const std::vector<Vec3>& v, std::int32_t a, std::int32_t b, d
 }
 
 // First integer ≥ v, kept within [lo, hi].
-int first_at(double v, int lo, int hi) {
-  return static_cast<int>(std::ceil(std::clamp(v, double(lo), double(hi))));
-}
+int first_at(double v, int lo, int hi) { return round_up(std::clamp(v, double(lo), double(hi))); }
 
 // Lines along x. Every cell has `lines` planes across z with one line each, at a y that differs between
 // planes.
@@ -110,8 +110,8 @@ class Lines {
   void add_run(Scan& out, std::size_t at, double x0, double x1, bool central) const {
     const double lo = std::max(x0, -0.5), hi = std::min(x1, box_.size.x() - 0.5);
     if (hi <= lo) return;
-    const int first = static_cast<int>(std::floor(lo + 0.5));
-    const int last = std::min(static_cast<int>(std::floor(hi + 0.5)), box_.size.x() - 1);
+    const int first = round_down(lo + 0.5);
+    const int last = std::min(round_down(hi + 0.5), box_.size.x() - 1);
     if (first == last) {
       out.coverage[at + first] += static_cast<float>(hi - lo);
     } else {
@@ -120,7 +120,7 @@ class Lines {
       out.coverage[at + last] += static_cast<float>(hi - (last - 0.5));
     }
     if (central)
-      for (int i = std::max(0, static_cast<int>(std::ceil(lo))); i < hi; ++i) out.inside[at + i] = 1;
+      for (int i = std::max(0, round_up(lo)); i < hi; ++i) out.inside[at + i] = 1;
   }
 
   const CellBox& box_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/shapes.h"
 
 namespace terrazzo::voxelize {
@@ -12,7 +13,7 @@ namespace terrazzo::voxelize {
 // A block of lattice cells: cell (i, j, k) is the unit cube centered at (i, j, k).
 struct CellBox {
   Vec3i lo = Vec3i::Zero(), size = Vec3i::Zero();  // first cell, number of cells
-  std::size_t count() const { return static_cast<std::size_t>(size.x()) * size.y() * size.z(); }
+  std::size_t count() const { return voxels_in(size); }
   std::size_t index(int i, int j, int k) const {  // x fastest
     return (static_cast<std::size_t>(k - lo.z()) * size.y() + (j - lo.y())) * size.x() + (i - lo.x());
   }

@@ -4,12 +4,13 @@
 #include <cmath>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/data/indices.h"
 #include "nodes/volumes/voxelize/block_distances.h"
 
 namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
-  const std::size_t n = static_cast<std::size_t>(lattice.x()) * lattice.y() * (z1 - z0);
+  const std::size_t n = pixels_in(lattice.x(), lattice.y()) * (z1 - z0);
   coverage.assign(n, 0), owner.assign(n, kNone), shares.resize(z1 - z0);
   distance.assign(n, static_cast<float>(kBand)), id.assign(n, -1);
   if (has_voids) holes.assign(n, 0);
@@ -87,7 +88,7 @@ void visit_plane(const Slab& slab, const Stamp& s, std::size_t plane, Visit&& vi
 }
 
 void share(Slab& slab, std::size_t plane, std::size_t at, std::int32_t particle, float cover) {
-  const std::uint32_t cell = at - slab.index(0, 0, static_cast<int>(plane));
+  const std::uint32_t cell = at - slab.index(0, 0, plane);
   std::int32_t& owner = slab.owner[at];
   if (owner == Slab::kNone) {
     owner = particle;

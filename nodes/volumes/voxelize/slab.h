@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/volumes/voxelize/lattice.h"
@@ -34,7 +35,7 @@ struct Slab {
   Slab(const Vec3i& lattice, int z0, int z1, bool has_voids);
   std::size_t bytes() const;
   std::size_t index(int i, int j, int k) const {  // k is relative to z0
-    return (static_cast<std::size_t>(k) * lattice.y() + j) * lattice.x() + i;
+    return voxel_at(i, j, k, lattice);
   }
 };
 

@@ -8,6 +8,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::voxelize {
 void check(const Particles& particles, const Shapes& shapes) {
@@ -60,7 +61,7 @@ std::vector<Stamp> stamps_of(const std::vector<CellBox>& boxes, int z0, int z1, 
   std::vector<Stamp> all;
   for (std::size_t p = 0; p < boxes.size(); ++p) {
     const int lo = boxes[p].lo.z(), hi = lo + boxes[p].size.z();
-    for (int period = static_cast<int>(std::floor(double(lo - z1) / nz)); z0 + period * nz < hi; ++period) {
+    for (int period = round_down(double(lo - z1) / nz); z0 + period * nz < hi; ++period) {
       const int a = std::max(lo, z0 + period * nz), b = std::min(hi, z1 + period * nz);
       if (a >= b) continue;
       Stamp s;
@@ -160,7 +161,7 @@ Slab Slabs::made(int z0, int z1, const Work& work) {
                              std::make_move_iterator(stamps.begin() + end));
     const Work part = work.part(double(begin) / stamps.size(), double(end) / stamps.size());
     const auto shape_of = [&](const Stamp& s) -> const Shape& {
-      return shapes_.shapes[particles_.shape[static_cast<std::size_t>(s.particle)]];
+      return shapes_.shapes[particles_.shape[s.particle]];
     };
     part.part(0, 0.2).parallel(batch.size(), 4, [&](std::size_t b, std::size_t e) {
       for (std::size_t i = b; i < e; ++i)

@@ -24,22 +24,22 @@ void add_voxels(Grid& grid, const openvdb::Coord& size, int z0, int z1, Value&& 
                 const Work& work) {
   using Tree = typename Grid::TreeType;
   using Leaf = typename Tree::LeafNodeType;
-  constexpr int edge = 8;
-  static_assert(Leaf::DIM == edge);
+  constexpr int kEdge = 8;
+  static_assert(Leaf::DIM == kEdge);
   const auto background = grid.background();
-  const int nx = (size.x() + edge - 1) / edge, ny = (size.y() + edge - 1) / edge,
-            nz = (z1 - z0 + edge - 1) / edge;
+  const int nx = (size.x() + kEdge - 1) / kEdge, ny = (size.y() + kEdge - 1) / kEdge,
+            nz = (z1 - z0 + kEdge - 1) / kEdge;
   std::vector<std::unique_ptr<Leaf>> leaves(static_cast<std::size_t>(nx) * ny * nz);
   work.parallel(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      const openvdb::Coord lo(static_cast<int>(n) % nx * edge, static_cast<int>(n) / nx % ny * edge,
-                              z0 + static_cast<int>(n) / nx / ny * edge);
+      const openvdb::Coord lo(static_cast<int>(n) % nx * kEdge, static_cast<int>(n) / nx % ny * kEdge,
+                              z0 + static_cast<int>(n) / nx / ny * kEdge);
       auto leaf = std::make_unique<Leaf>(lo, background);
       bool plain = true;
       openvdb::Index at = 0;
-      for (int i = lo.x(); i < lo.x() + edge; ++i)
-        for (int j = lo.y(); j < lo.y() + edge; ++j)
-          for (int k = lo.z(); k < lo.z() + edge; ++k, ++at) {
+      for (int i = lo.x(); i < lo.x() + kEdge; ++i)
+        for (int j = lo.y(); j < lo.y() + kEdge; ++j)
+          for (int k = lo.z(); k < lo.z() + kEdge; ++k, ++at) {
             if (i >= size.x() || j >= size.y() || k >= z1) continue;
             const auto v = value(i, j, k);
             if (active(v)) {

@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 #include "nodes/detail/residual/residual_field.h"
 #include "nodes/volumes/voxelize/binder_detail.h"
@@ -31,7 +32,7 @@ std::size_t moved(const Eigen::Vector2i& at, const Eigen::Vector2i& shift, const
 // the binder's, or null.
 void add_phases(const residual::ResidualField& field, Vec3f* colors, const Slab& slab, std::size_t k,
                 double voxel, const Vec3f& binder_color, const BinderDetail* kept) {
-  const std::size_t plane = static_cast<std::size_t>(slab.lattice.x()) * slab.lattice.y();
+  const std::size_t plane = pixels_in(slab.lattice.x(), slab.lattice.y());
   const Vec3f binder = linear_to_srgb(binder_color);
   const Vec3f* behind = kept ? kept->planes[k].data() : nullptr;
   for (std::size_t at = 0; at < plane; ++at) {
@@ -72,7 +73,7 @@ struct SlabColoring {
   // the binder's detail, or null.
   void color_plane(const Slab& slab, std::size_t k, const BinderDetail* behind, Vec3f* colors,
                    Vec3& sum) const {
-    const std::size_t plane = static_cast<std::size_t>(slab.lattice.x()) * slab.lattice.y();
+    const std::size_t plane = pixels_in(slab.lattice.x(), slab.lattice.y());
     add_colors(slab, k, particles, colors);
     for (std::size_t at = 0; at < plane; ++at) {
       const float c = slab.coverage[k * plane + at];
@@ -90,7 +91,7 @@ struct SlabColoring {
   // Adds the residual in sRGB-encoded values, in which it was measured, and clips at 0.
   void add_grain(const Slab& slab, std::size_t k, Vec3f* colors) const {
     const Vec3i& n = slab.lattice;
-    const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+    const std::size_t plane = pixels_in(n.x(), n.y());
     const Vec3f binder = linear_to_srgb(particles.binder_color);
     for (std::size_t i = 0; i < plane; ++i)
       colors[i] = colors[i] == particles.binder_color ? binder : linear_to_srgb(colors[i]);
@@ -99,7 +100,7 @@ struct SlabColoring {
     const std::int32_t* ids = &slab.id[k * plane];
     for (int j = 0; j < n.y(); ++j)
       for (int i = 0; i < n.x(); ++i) {
-        const std::size_t at = static_cast<std::size_t>(j) * n.x() + i;
+        const std::size_t at = pixel_at(i, j, n.x());
         colors[at] +=
             ids[at] < 0 || shifts.empty() ? offsets[at] : offsets[moved({i, j}, shifts[ids[at]], n)];
         colors[at] = srgb_to_linear(colors[at].cwiseMax(0.0f));
@@ -203,7 +204,7 @@ Volume voxelize(const Particles& particles, const Shapes& shapes, const Volume* 
   PackingGrids grids(voxel, particles.binder_color, has_voids);
   const auto shifts = grain_shifts(grain, particles, n);
   const SlabColoring coloring{particles, voxel, has_voids, grain, shifts, field ? &*field : nullptr};
-  const std::size_t plane = static_cast<std::size_t>(n.x()) * n.y();
+  const std::size_t plane = pixels_in(n.x(), n.y());
   const int thickness = std::max<int>(8, static_cast<int>(kSlabVoxels / plane) / 8 * 8);
   std::vector<std::uint8_t> seen(particles.count(), 0);
   Vec3 filled = Vec3::Zero();  // matter, voids, overlap

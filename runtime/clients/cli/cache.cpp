@@ -50,7 +50,7 @@ int verify(const Program& program, const fs::path& folder, const CacheCommand& o
   if (v.lost > 0)
     std::cout << fmt::format("{} records have lost values, which are computed again when they are needed\n",
                              v.lost);
-  return v.damaged.empty() && v.differing.empty() ? done : node_failed;
+  return v.damaged.empty() && v.differing.empty() ? kDone : kNodeFailed;
 }
 
 }  // namespace

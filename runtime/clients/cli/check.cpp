@@ -37,8 +37,8 @@ void add_check(CLI::App& app, const Program& program, int& exit_code) {
     const Graph& graph = *session.graph();
     const Diagnostics missing = ok ? missing_files(graph) : Diagnostics{};
     print(missing);
-    exit_code = ok && missing.empty() ? done : wrong_usage;
-    if (exit_code == done) std::cout << graph.file << ": " << graph.nodes.size() << " nodes, no errors\n";
+    exit_code = ok && missing.empty() ? kDone : kWrongUsage;
+    if (exit_code == kDone) std::cout << graph.file << ": " << graph.nodes.size() << " nodes, no errors\n";
   });
 }
 

@@ -65,7 +65,7 @@ int run_command(int argc, char** argv, const Program& program) {
   CLI::App app{"Terrazzo: reconstructs tileable 3D materials from photographs of cut surfaces", "terrazzo"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("terrazzo ") + program_version);
-  int exit_code = cli::done;
+  int exit_code = cli::kDone;
   cli::add_run(app, program, exit_code);
   cli::add_check(app, program, exit_code);
   cli::add_show(app, program, exit_code);
@@ -90,19 +90,19 @@ int run_command(int argc, char** argv, const Program& program) {
     return app.exit(e);
   } catch (const CLI::ParseError& e) {
     app.exit(e);
-    return cli::wrong_usage;
+    return cli::kWrongUsage;
   } catch (const Error& e) {
     std::cerr << e.what() << '\n';
     const auto& code = e.diagnostic().code;
     for (const char* usage : {"usage", "unknown-node", "unknown-port", "not-a-cache", "unsafe-folder",
                               "sweep-file", "overwrites-input", "same-file"})
-      if (code == usage) return cli::wrong_usage;
-    return cli::node_failed;
+      if (code == usage) return cli::kWrongUsage;
+    return cli::kNodeFailed;
   } catch (const Cancelled&) {
-    return cli::interrupted;
+    return cli::kInterrupted;
   } catch (const std::exception& e) {
     std::cerr << "error: " << exception_text(e) << '\n';
-    return cli::node_failed;
+    return cli::kNodeFailed;
   }
   return exit_code;
 }

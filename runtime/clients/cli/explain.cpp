@@ -80,7 +80,7 @@ void add_explain(CLI::App& app, const Program& program, int& exit_code) {
     if (open_graph(session, *o))
       print_plan(session, *o, true);
     else
-      exit_code = wrong_usage;
+      exit_code = kWrongUsage;
   });
 }
 

@@ -37,7 +37,7 @@ GraphNames read_graph_names(const fs::path& file) {
   if (!text) return {};
   const RawDocument doc = read_document(*text, file.lexically_normal(), ignored);
   const SubgraphFiles files(doc);
-  if (files.root().nodes > max_expanded_nodes || files.root().nesting > max_nesting) return {};
+  if (files.root().nodes > kMaxExpandedNodes || files.root().nesting > kMaxNesting) return {};
   GraphNames names;
   names.parameters = declared_parameters(doc);
   for (const auto& [name, wire] : doc.outputs) names.outputs.push_back(name);

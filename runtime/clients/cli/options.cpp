@@ -19,7 +19,7 @@
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
 
-GraphOptions::GraphOptions() : cache_limit(default_cache_limit) {}
+GraphOptions::GraphOptions() : cache_limit(kDefaultCacheLimit) {}
 
 std::vector<std::pair<std::string, std::string>> split_assignments(const std::vector<std::string>& list,
                                                                    const std::string& option) {
@@ -43,7 +43,7 @@ Overrides overrides(const GraphOptions& o) {
 SessionOptions session_options(const GraphOptions& o) {
   require_room_for_threads(threads(o));
   return {.cache_folder = cache_folder(o),
-          .memory = o.memory > 0 ? o.memory : Store::default_memory,
+          .memory = o.memory > 0 ? o.memory : Store::kDefaultMemory,
           .file_memory = o.memory,
           .output_folder = o.out,
           .threads = threads(o),
@@ -114,7 +114,7 @@ void finish(Session& session, const GraphOptions& o) {
 namespace {
 std::atomic<bool> cancel{false};
 void on_signal(int) {
-  if (cancel.exchange(true)) ::_exit(interrupted);
+  if (cancel.exchange(true)) ::_exit(kInterrupted);
 }
 }  // namespace
 

@@ -10,10 +10,10 @@
 
 namespace terrazzo::cli {
 
-inline constexpr int done = 0;
-inline constexpr int node_failed = 1;
-inline constexpr int wrong_usage = 2;
-inline constexpr int interrupted = 130;
+inline constexpr int kDone = 0;
+inline constexpr int kNodeFailed = 1;
+inline constexpr int kWrongUsage = 2;
+inline constexpr int kInterrupted = 130;
 
 // Options that select a graph and control its evaluation.
 struct GraphOptions {

@@ -127,7 +127,7 @@ int Output::finish(int exit_code) {
   if (out != 0 && out != EPIPE)
     std::cerr << "error: cannot write to standard output: " << std::strerror(out) << '\n';
   const bool lost = out != 0 || err_->finish() != 0;
-  return lost && exit_code == done ? node_failed : exit_code;
+  return lost && exit_code == kDone ? kNodeFailed : exit_code;
 }
 
 void write_codes(std::ostream& stream, std::string_view codes) {

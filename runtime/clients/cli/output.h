@@ -17,7 +17,7 @@ class Output {
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
-  // Flushes both. Returns `exit_code`, or `node_failed` instead of success if something printed was lost.
+  // Flushes both. Returns `exit_code`, or `kNodeFailed` instead of success if something printed was lost.
   // Says so, unless the reader of a pipe has gone.
   int finish(int exit_code);
 

@@ -68,7 +68,7 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
   json set = json::object();
   for (const auto& [name, value] : overrides.set) set[name] = value;
   for (const auto& [name, value] : overrides.parameters) set[name] = value;
-  json report = {{"format", report_format},
+  json report = {{"format", kReportFormat},
                  {"graph", graph.file},
                  {"set", set},
                  {"document", write_graph(graph, needed, folder.empty() ? "." : folder)},

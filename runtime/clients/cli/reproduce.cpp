@@ -99,7 +99,7 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   Diagnostics found;
   const Graph graph = open_made(program.registry(), made, o.file, overrides(o), o.allow_read, found);
   print(found);
-  if (has_errors(found)) return wrong_usage;
+  if (has_errors(found)) return kWrongUsage;
   const fs::path path = fs::path(o.out) / (fs::path(o.file).stem().string() + ".yaml");
   const std::string text = write_graph(graph, {}, o.out);
   ProtectedFiles keep(graph);
@@ -116,14 +116,14 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
     throw Error(
         "usage", "the graph would read files that the provenance does not name",
         "if you trust it, allow their folder with --allow-read DIR, or choose another file with --set");
-  if (!confirmed(o)) return wrong_usage;
+  if (!confirmed(o)) return kWrongUsage;
   write_text_atomically(path, keep, text);
   std::cout << "wrote " << path.string() << '\n';
   o.graph = path.string();
   o.set.clear(), o.parameters.clear();     // already part of the written graph
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
-  if (!open_graph(session, o)) return wrong_usage;
+  if (!open_graph(session, o)) return kWrongUsage;
   ProgressLine line(session, {}, o.quiet);
   const auto evaluation = session.evaluate({}, &line);
   const RunResult& result = evaluation->wait();
@@ -133,8 +133,8 @@ int reproduce(const Program& with_plugins, ReproduceCommand& o) {
   for (const auto& node : result.nodes)
     for (const auto& f : node.files) std::cout << "wrote " << (fs::path(o.out) / f.path).string() << '\n';
   finish(session, o);
-  if (result.cancelled()) return interrupted;
-  return result.failed() ? node_failed : done;
+  if (result.cancelled()) return kInterrupted;
+  return result.failed() ? kNodeFailed : kDone;
 }
 
 }  // namespace

@@ -88,11 +88,11 @@ int run(const Program& program, RunCommand& o) {
   complete_slurm_options(o.slurm, o);
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
-  if (!open_graph(session, o)) return wrong_usage;
+  if (!open_graph(session, o)) return kWrongUsage;
   const Graph& graph = *session.graph();
   if (o.dry_run) {
     print_plan(session, o, false);
-    return done;
+    return kDone;
   }
   const ProtectedFiles keep(graph);
   const fs::path report = place_of_report(o, graph, keep);
@@ -115,9 +115,9 @@ int run(const Program& program, RunCommand& o) {
   if (!report.empty()) write_report(o, report, keep, session, result);
   if (result.cancelled()) {
     std::cerr << "interrupted; finished nodes are cached\n";
-    return interrupted;
+    return kInterrupted;
   }
-  return result.failed() ? node_failed : done;
+  return result.failed() ? kNodeFailed : kDone;
 }
 
 }  // namespace

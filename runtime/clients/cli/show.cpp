@@ -35,14 +35,14 @@ int write(const Program& program, Session& session, const ShowOptions& o) {
   const RunResult result = session.evaluator().run(graph, options);
   line.close();
   finish(session, o);
-  if (result.cancelled()) return interrupted;
-  return result.failed() ? node_failed : done;
+  if (result.cancelled()) return kInterrupted;
+  return result.failed() ? kNodeFailed : kDone;
 }
 
 int show(const Program& program, const ShowOptions& o) {
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
-  if (!open_graph(session, o)) return wrong_usage;
+  if (!open_graph(session, o)) return kWrongUsage;
   if (!o.file.empty()) return write(program, session, o);
   const Wire wire = session.graph()->wire_to(o.target);
   ProgressLine line(session, {wire.node}, o.quiet);
@@ -51,15 +51,15 @@ int show(const Program& program, const ShowOptions& o) {
   line.close();
   if (!result.trouble.empty()) std::cerr << "warning: " << result.trouble << '\n';
   finish(session, o);
-  if (result.cancelled()) return interrupted;
-  if (result.failed()) return node_failed;
+  if (result.cancelled()) return kInterrupted;
+  if (result.failed()) return kNodeFailed;
   const Value v = session.evaluator().value(*session.graph(), result, wire);
   const nlohmann::json described = v.type().describe(v.data());
   if (o.json)
     std::cout << json_text(described, 2) << '\n';
   else
     std::cout << v.type().name << '\n' << readable(v.type().name, described);
-  return done;
+  return kDone;
 }
 
 }  // namespace

@@ -232,7 +232,7 @@ void add_status(CLI::App& app, int& exit_code) {
       ->excludes(as_json);
   command->callback([o, &exit_code] {
     show_status(*o);
-    exit_code = done;
+    exit_code = kDone;
   });
 }
 

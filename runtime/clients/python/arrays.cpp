@@ -31,9 +31,9 @@ Extent extent_of(const py::array& a, bool color, const char* what) {
   const py::ssize_t width = shape[n - 1];
   if (sections < 1 || height < 1 || width < 1)
     throw Error("empty-image", fmt::format("{} is empty: {}", what, text_of(a)));
-  constexpr py::ssize_t most = std::numeric_limits<int>::max();
-  if (sections > most || height > most || width > most ||
-      static_cast<double>(sections) * static_cast<double>(height) * width > 4e9)
+  constexpr py::ssize_t kMost = std::numeric_limits<int>::max();
+  if (sections > kMost || height > kMost || width > kMost ||
+      static_cast<double>(sections) * height * width > 4e9)
     throw Error("too-large", fmt::format("{} has more than 4·10⁹ pixels: {}", what, text_of(a)));
   return {static_cast<int>(width), static_cast<int>(height), static_cast<int>(sections)};
 }
@@ -110,7 +110,7 @@ std::int64_t number_labels(const std::vector<std::int64_t>& pixels, bool is_unsi
 }
 
 void read_classes(const py::object& classes, std::vector<int>& out) {
-  const auto last = static_cast<std::int64_t>(out.size());
+  const std::int64_t last = out.size();
   const py::array c = array_of(classes, "classes");
   if (!is_whole(c) || c.ndim() != 1 || c.size() != last)
     throw Error("wrong-shape",
@@ -165,7 +165,7 @@ py::object labels(const py::object& object, double pixel_size, const py::object&
   }
   if (last == 0)
     throw Error("no-particles", "every label is 0", "number the pixels of each particle from 1; 0 is binder");
-  out.classes.assign(static_cast<std::size_t>(last), 0);
+  out.classes.assign(last, 0);
   if (!classes.is_none()) read_classes(classes, out.classes);
   return to_python(Value::of(std::move(out)));
 }

@@ -25,7 +25,7 @@ py::dict stats(const std::string& folder) {
   for (const auto& [type, kind] : s.by_type) types[type.c_str()] = py::make_tuple(kind.count, kind.bytes);
   out["folder"] = folder;
   out["bytes"] = s.bytes();
-  out["limit"] = default_cache_limit;
+  out["limit"] = kDefaultCacheLimit;
   out["values"] = s.values.count;
   out["value_bytes"] = s.values.bytes;
   out["records"] = s.records.count;
@@ -99,9 +99,9 @@ void bind_cache(py::module_& m) {
   });
   m.def("cache_tend", [](const std::string& folder) {
     const Outside outside;
-    tend_cache(folder, default_cache_limit);
+    tend_cache(folder, kDefaultCacheLimit);
   });
-  m.attr("cache_limit") = default_cache_limit;
+  m.attr("cache_limit") = kDefaultCacheLimit;
 }
 
 }  // namespace terrazzo::python

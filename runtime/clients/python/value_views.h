@@ -39,8 +39,8 @@ py::array view(const py::handle& owner, const std::vector<T>& v) {
 template <class V>
 py::array rows(const py::handle& owner, const std::vector<V>& v) {
   using S = typename V::Scalar;
-  constexpr auto n = static_cast<py::ssize_t>(sizeof(V) / sizeof(S));
-  return view(owner, reinterpret_cast<const S*>(v.data()), {static_cast<py::ssize_t>(v.size()), n});
+  constexpr py::ssize_t kN = sizeof(V) / sizeof(S);
+  return view(owner, reinterpret_cast<const S*>(v.data()), {static_cast<py::ssize_t>(v.size()), kN});
 }
 
 // One member of every element of a list of structures.

@@ -74,7 +74,7 @@ void bind_values(py::module_& m) {
   m.def("decoded", [](const std::string& type, const py::bytes& bytes) {
     const ValueType* t = value_types().find(type);
     if (!t) throw Error("wrong-type", "there is no value type '" + type + "'");
-    const auto text = static_cast<std::string_view>(bytes);
+    const std::string_view text = bytes;
     Reader r(text.data(), text.size());
     Value v(t, t->decode(r));
     if (r.left() > 0) throw Error("damaged", "the stored value is too long");

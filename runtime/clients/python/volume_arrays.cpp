@@ -35,11 +35,11 @@ template <class Grid, class Number>
 typename Grid::Ptr grid_of(const std::string& name, const Vec3i& size, const Vec3& spacing,
                            const Number* data) {
   using T = typename Grid::ValueType;
-  constexpr std::size_t components = sizeof(T) / sizeof(Number);
+  constexpr std::size_t kComponents = sizeof(T) / sizeof(Number);
   const std::size_t nx = size.x(), ny = size.y(), nz = size.z();
   auto grid = dense_grid<Grid>(name.c_str(), size, 1, Work(), [&](std::size_t i) {
-    const Number* at = data + ((i % nx * ny + i / nx % ny) * nz + i / nx / ny) * components;
-    if constexpr (components == 1)
+    const Number* at = data + ((i % nx * ny + i / nx % ny) * nz + i / nx / ny) * kComponents;
+    if constexpr (kComponents == 1)
       return *at;
     else
       return T(at[0], at[1], at[2]);
@@ -97,7 +97,7 @@ py::object volume(const py::object& object, const std::vector<double>& voxel_siz
   const bool no_sign = a.dtype().kind() == 'u';
   const auto add = [&]<class Grid, class Number>(const py::array_t<Number, py::array::c_style>& data) {
     const Number* in = data.data();
-    const auto n = static_cast<std::size_t>(data.size());
+    const std::size_t n = data.size();
     const Outside outside;
     const auto bad = std::find_if(in, in + n, [&](Number v) {
       if constexpr (std::is_integral_v<Number>)

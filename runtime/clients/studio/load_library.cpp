@@ -23,9 +23,9 @@ constexpr std::uint64_t kRoom = 320'000'000;
 std::terminate_handler usual_end;
 [[noreturn]] void end_or_say_why() {
   const auto end_without_room = [] {
-    constexpr char message[] =
+    constexpr char kMessage[] =
         "error: not enough address space to load the node types: raise the limit (ulimit -v)\n";
-    [[maybe_unused]] const auto n = ::write(STDERR_FILENO, message, sizeof message - 1);
+    [[maybe_unused]] const auto n = ::write(STDERR_FILENO, kMessage, sizeof kMessage - 1);
     ::_exit(1);
   };
   const auto thrown = std::current_exception();

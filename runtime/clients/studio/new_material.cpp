@@ -136,11 +136,11 @@ std::optional<std::string> moved(const WrittenValue& v, const std::vector<std::s
 }  // namespace
 
 bool is_picture_name(const fs::path& path) {
-  static constexpr std::array<const char*, 10> known{".jpg", ".jpeg", ".png", ".tif", ".tiff",
-                                                     ".exr", ".hdr",  ".bmp", ".ppm", ".pgm"};
+  static constexpr std::array<const char*, 10> kKnown{".jpg", ".jpeg", ".png", ".tif", ".tiff",
+                                                      ".exr", ".hdr",  ".bmp", ".ppm", ".pgm"};
   std::string extension = path.extension().string();
   std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::find(known, extension) != known.end();
+  return std::ranges::find(kKnown, extension) != kKnown.end();
 }
 
 std::string graph_of_photograph(const std::string& photo, const std::string& title,

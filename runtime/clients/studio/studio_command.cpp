@@ -64,7 +64,7 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
   if (!o.no_browser) open_browser(server.address());
   serve_until(
       *cli::cancel_on_interrupt(), [&] { server.serve(); }, [&] { server.stop(); });
-  return cli::done;  // Ctrl-C is the normal way to stop
+  return cli::kDone;  // Ctrl-C is the normal way to stop
 }
 
 }  // namespace terrazzo::studio

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 #include "runtime/work.h"
 
@@ -23,10 +24,10 @@ typename Grid::Ptr dense_grid(const char* name, const Vec3i& size, double voxel,
   // Leaf origins are multiples of 8.
   const Vec3i first = origin.unaryExpr([](int v) { return v & ~7; }), last = origin + size;
   const Vec3i blocks = (last - first).array().unaryExpr([](int v) { return (v + 7) / 8; });
-  std::vector<std::unique_ptr<Leaf>> leaves(static_cast<std::size_t>(blocks.x()) * blocks.y() * blocks.z());
+  std::vector<std::unique_ptr<Leaf>> leaves(voxels_in(blocks));
   work.parallel(leaves.size(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      const int b = static_cast<int>(n);
+      const int b = n;
       const openvdb::Coord lo(first.x() + 8 * (b % blocks.x()), first.y() + 8 * (b / blocks.x() % blocks.y()),
                               first.z() + 8 * (b / blocks.x() / blocks.y()));
       auto leaf = std::make_unique<Leaf>(lo, openvdb::zeroVal<T>());

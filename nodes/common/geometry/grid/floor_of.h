@@ -5,7 +5,7 @@ namespace terrazzo {
 
 // std::floor is a function call on baseline x86-64. `v` must fit into an int.
 inline int floor_of(float v) {
-  const int i = static_cast<int>(v);
+  const int i = v;
   return i - (static_cast<float>(i) > v);
 }
 

@@ -13,12 +13,12 @@ namespace terrazzo {
 
 // Transform with the center of voxel (i, j, k) at (i + ½, j + ½, k + ½) · spacing, mm.
 inline openvdb::math::Transform::Ptr voxel_transform(const Vec3& spacing) {
-  constexpr double smallest = 3.1e-15;  // OpenVDB takes smaller voxels for empty ones
-  if (!(spacing.prod() >= smallest))
+  constexpr double kSmallest = 3.1e-15;  // OpenVDB takes smaller voxels for empty ones
+  if (!(spacing.prod() >= kSmallest))
     throw Error("bad-spacing",
                 fmt::format("voxels of {} × {} × {} mm are too small: the product of their edges must be at "
                             "least {} mm³",
-                            spacing.x(), spacing.y(), spacing.z(), smallest),
+                            spacing.x(), spacing.y(), spacing.z(), kSmallest),
                 "state all lengths in a larger unit, as if 1 µm were 1 mm");
   const openvdb::Vec3d step(spacing.x(), spacing.y(), spacing.z());
   openvdb::math::MapBase::Ptr map;

@@ -10,7 +10,7 @@ namespace terrazzo {
 namespace {
 
 template <class Grid>
-constexpr bool is_vector = openvdb::VecTraits<typename Grid::ValueType>::IsVec;
+constexpr bool kIsVector = openvdb::VecTraits<typename Grid::ValueType>::IsVec;
 
 // Calls f with the grid as its own type. Returns false if the type is not one of a volume's.
 template <class F>
@@ -34,7 +34,7 @@ void check_finite(const Grid& grid) {
   for (auto it = grid.cbeginValueAll(); it; ++it) {
     const T& v = *it;
     bool finite = true;
-    if constexpr (is_vector<Grid>)
+    if constexpr (kIsVector<Grid>)
       finite = std::isfinite(double(v[0])) && std::isfinite(double(v[1])) && std::isfinite(double(v[2]));
     else
       finite = std::isfinite(double(v));
@@ -108,7 +108,7 @@ VoxelSource::VoxelSource(const Volume& volume, const std::string& grid, const Vo
         fmt::format("the volume has no grid '{}' (its grids: {})", grid, fmt::join(grid_names(volume), ", ")),
         "choose one of them");
   const bool known = with_grid(*grid_, [&]<class Grid>(const Grid& g) {
-    components_ = is_vector<Grid> ? 3 : 1;
+    components_ = kIsVector<Grid> ? 3 : 1;
     whole_ = std::is_same_v<Grid, openvdb::Int32Grid> || std::is_same_v<Grid, openvdb::Vec3IGrid> ||
              std::is_same_v<Grid, openvdb::BoolGrid>;
     yes_no_ = std::is_same_v<Grid, openvdb::BoolGrid>;
@@ -133,7 +133,7 @@ void VoxelSource::read(int z0, int z1, void* out) const {
       for (int y = 0; y < box_.size.y(); ++y)
         for (int x = 0; x < box_.size.x(); ++x) {
           const T& v = at.getValue(openvdb::Coord(first.x() + x, first.y() + y, first.z() + z));
-          if constexpr (is_vector<Grid>)
+          if constexpr (kIsVector<Grid>)
             for (int k = 0; k < 3; ++k) *to++ = static_cast<Out>(v[k]);
           else
             *to++ = static_cast<Out>(v);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/opaque_volume.h"
 
 namespace terrazzo {
@@ -17,7 +18,7 @@ struct VoxelBox {
   Vec3 corner = Vec3::Zero();                         // lower corner of the first voxel, mm
   bool periodic = false;
 
-  std::size_t plane() const { return static_cast<std::size_t>(size.x()) * size.y(); }
+  std::size_t plane() const { return pixels_in(size.x(), size.y()); }
   std::size_t count() const { return plane() * size.z(); }
 };
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 namespace {
@@ -50,7 +51,7 @@ class Quickhull {
     if (n > 0) f.normal /= n;
     f.offset = f.normal.dot(at(a));
     faces_.push_back(std::move(f));
-    return static_cast<int>(faces_.size()) - 1;
+    return count_of(faces_) - 1;
   }
 
   // Chooses four points that span a large part of the volume.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 double ConvexPolyhedron::shortest_edge() const {
@@ -29,7 +31,7 @@ ConvexPolyhedron intersect(const std::vector<HalfSpace>& planes) {
         for (std::size_t l = 0; inside && l < n; ++l)
           inside = l == i || l == j || l == k || planes[l].normal.dot(x) <= planes[l].offset;
         if (!inside) continue;
-        for (const auto f : {i, j, k}) p.faces[f].push_back(static_cast<int>(p.corners.size()));
+        for (const auto f : {i, j, k}) p.faces[f].push_back(count_of(p.corners));
         p.corners.push_back(x);
       }
   for (std::size_t f = 0; f < n; ++f) {

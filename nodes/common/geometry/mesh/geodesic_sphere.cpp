@@ -4,6 +4,8 @@
 #include <map>
 #include <numbers>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 namespace {
@@ -12,7 +14,7 @@ namespace {
 void split_in_four(Mesh& mesh) {
   std::map<std::pair<int, int>, int> midpoint;
   auto middle = [&](int a, int b) {
-    const auto [it, fresh] = midpoint.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
+    const auto [it, fresh] = midpoint.try_emplace(std::minmax(a, b), count_of(mesh.vertices));
     if (fresh) mesh.vertices.push_back((mesh.vertices[a] + mesh.vertices[b]) / 2);
     return it->second;
   };

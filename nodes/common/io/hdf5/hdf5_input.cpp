@@ -99,7 +99,7 @@ std::vector<Hdf5Input::Message> Hdf5Input::messages_2(Address object) const {
   if (number(object + 4, 1) != 2) hdf5_damaged("the HDF5 file has an object header of an unknown version");
   const std::uint64_t flags = number(object + 5, 1);
   const std::uint64_t size_at = object + 6 + (flags & 0x20 ? 16 : 0) + (flags & 0x10 ? 4 : 0);
-  const auto size_bytes = static_cast<unsigned>(1 << (flags & 3));
+  const unsigned size_bytes = 1 << (flags & 3);
   const std::uint64_t head = flags & 4 ? 6 : 4;  // of a message
   std::vector<std::pair<std::uint64_t, std::uint64_t>> blocks = {
       {size_at + size_bytes, number(size_at, size_bytes)}};
@@ -163,7 +163,7 @@ void Hdf5Input::add_link(const Message& m, std::map<std::string, Address>& out) 
   std::uint64_t at = m.at + 2;
   const bool hard = !(flags & 8) || number(at, 1) == 0;
   at += (flags & 8 ? 1 : 0) + (flags & 4 ? 8 : 0) + (flags & 16 ? 1 : 0);
-  const auto length_bytes = static_cast<unsigned>(1 << (flags & 3));
+  const unsigned length_bytes = 1 << (flags & 3);
   const std::uint64_t length = number(at, length_bytes);
   at += length_bytes;
   require(at, length);

@@ -89,10 +89,10 @@ ColorProfile::ColorProfile(const StatedColors& s) {
 bool ColorProfile::is_gray() const { return transform_->gray; }
 
 void ColorProfile::to_linear(Vec3f* pixels, std::size_t count) const {
-  constexpr std::size_t block = 1 << 16;
+  constexpr std::size_t kBlock = 1 << 16;
   std::vector<float> gray;
-  for (std::size_t first = 0; first < count; first += block) {
-    const std::size_t n = std::min(block, count - first);
+  for (std::size_t first = 0; first < count; first += kBlock) {
+    const std::size_t n = std::min(kBlock, count - first);
     Vec3f* to = pixels + first;
     if (transform_->gray) {
       gray.resize(n);
@@ -104,12 +104,12 @@ void ColorProfile::to_linear(Vec3f* pixels, std::size_t count) const {
 }
 
 void ColorProfile::judge() {
-  constexpr int steps = 8;
+  constexpr int kSteps = 8;
   std::vector<Vec3f> encoded;
-  for (int i = 0; i < (steps + 1) * (steps + 1) * (steps + 1); ++i) {
-    const int r = i % (steps + 1), g = i / (steps + 1) % (steps + 1), b = i / (steps + 1) / (steps + 1);
+  for (int i = 0; i < (kSteps + 1) * (kSteps + 1) * (kSteps + 1); ++i) {
+    const int r = i % (kSteps + 1), g = i / (kSteps + 1) % (kSteps + 1), b = i / (kSteps + 1) / (kSteps + 1);
     if (!transform_->gray || (r == g && g == b))
-      encoded.push_back(Vec3f(float(r), float(g), float(b)) / steps);
+      encoded.push_back(Vec3f(float(r), float(g), float(b)) / kSteps);
   }
   std::vector<Vec3f> linear = encoded;
   to_linear(linear.data(), linear.size());
@@ -121,9 +121,9 @@ void ColorProfile::judge() {
     from_srgb = std::max(from_srgb, double((shown - encoded[i]).cwiseAbs().maxCoeff()));
     from_linear = std::max(from_linear, double((linear[i] - encoded[i]).cwiseAbs().maxCoeff()));
   }
-  constexpr double level = 1.0 / 255;
-  is_srgb_ = from_srgb < level / 2;
-  is_linear_ = from_linear < level / 20;
+  constexpr double kLevel = 1.0 / 255;
+  is_srgb_ = from_srgb < kLevel / 2;
+  is_linear_ = from_linear < kLevel / 20;
 }
 
 }  // namespace terrazzo

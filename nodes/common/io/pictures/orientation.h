@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo {
 
 // Turns and mirrors a picture of `count` values per pixel so that it is upright; `orientation` is EXIF's,
@@ -20,9 +22,7 @@ void make_upright(std::vector<T>& values, int& width, int& height, std::size_t c
       int u = swapped ? y : x, v = swapped ? x : y;
       if (orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8) u = width - 1 - u;
       if (orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7) v = height - 1 - v;
-      const std::size_t from =
-          (static_cast<std::size_t>(v) * static_cast<std::size_t>(width) + static_cast<std::size_t>(u)) *
-          count;
+      const std::size_t from = (pixel_at(u, v, width)) * count;
       for (std::size_t k = 0; k < count; ++k) upright.push_back(values[from + k]);
     }
   values = std::move(upright);

@@ -55,35 +55,35 @@ std::string other_format(std::string_view c) {
 }
 
 void check_notes(std::string_view content) {
-  constexpr std::string_view begin = "<rdf:Description";
-  constexpr int deepest = 500;
-  for (auto at = content.find(begin); at != std::string_view::npos; at = content.find(begin, at)) {
+  constexpr std::string_view kBegin = "<rdf:Description";
+  constexpr int kDeepest = 500;
+  for (auto at = content.find(kBegin); at != std::string_view::npos; at = content.find(kBegin, at)) {
     // The parser also ends at a zero byte.
     int depth = 0;
     for (; at < content.size() && content[at] != '\0'; ++at) {
       if (content[at] != '<' || at + 1 == content.size()) continue;
       const char next = content[at + 1];
       depth += next == '/' ? -1 : next == '!' || next == '?' ? 0 : 1;
-      if (depth > deepest) damaged_picture("its XMP metadata is nested too deeply");
+      if (depth > kDeepest) damaged_picture("its XMP metadata is nested too deeply");
     }
   }
 }
 
 double largest_ratio(const std::string& format, const std::string& compression) {
-  constexpr double any = std::numeric_limits<double>::infinity();
-  constexpr double deflate = 1032;  // zlib's limit
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  constexpr double kDeflate = 1032;  // zlib's limit
   if (format == "jpeg")
     return 2000;  // progressive: one bit per block of 64 or more samples, and subsampled colors
-  if (format == "png") return 8 * deflate;  // 1-bit pixels become bytes
+  if (format == "png") return 8 * kDeflate;  // 1-bit pixels become bytes
   if (format == "hdr") return 128;
   if (format == "bmp") return 32;  // 1-bit pixels become three bytes
   if (format == "pnm") return 8;
   if (format == "gif") return 4096;  // a code of 12 bits stands for up to 4,096 pixels
   if (compression == "none") return 8;
-  if (compression == "zip" || compression == "zips") return 8 * deflate;
+  if (compression == "zip" || compression == "zips") return 8 * kDeflate;
   if (compression == "lzw" || compression == "packbits" || compression == "rle" || compression == "jpeg")
     return 20000;
-  return any;
+  return kAny;
 }
 
 }  // namespace terrazzo

@@ -27,8 +27,8 @@ void check_row(std::string_view row, std::uint32_t width, unsigned bits, std::ui
 }  // namespace
 
 void check_bmp(std::string_view content, const Reading&) {
-  constexpr std::size_t file_header = 14, least_header = 40;
-  if (content.size() < file_header + least_header) damaged_picture("it is truncated");
+  constexpr std::size_t kFileHeader = 14, kLeastHeader = 40;
+  if (content.size() < kFileHeader + kLeastHeader) damaged_picture("it is truncated");
   const std::uint32_t pixels_at = little(content, 10, 4), header = little(content, 14, 4);
   const std::int32_t width = little(content, 18, 4);
   const double height = std::abs(double(static_cast<std::int32_t>(little(content, 22, 4))));
@@ -37,10 +37,10 @@ void check_bmp(std::string_view content, const Reading&) {
   const auto refuse = [](const std::string& what) {
     throw Error("unreadable-image", what, "save it as PNG");
   };
-  if (header < least_header || header > content.size() - file_header)
+  if (header < kLeastHeader || header > content.size() - kFileHeader)
     refuse("its BMP header is of an unsupported kind");
-  constexpr std::uint32_t plain = 0, masks = 3;
-  if (compression != plain && !(compression == masks && (bits == 16 || bits == 32)))
+  constexpr std::uint32_t kPlain = 0, kMasks = 3;
+  if (compression != kPlain && !(compression == kMasks && (bits == 16 || bits == 32)))
     refuse("it is a compressed BMP file, which is not supported");
   if (bits != 1 && bits != 4 && bits != 8 && bits != 16 && bits != 24 && bits != 32)
     damaged_picture(fmt::format("its pixels have {} bits", bits));
@@ -50,7 +50,7 @@ void check_bmp(std::string_view content, const Reading&) {
     damaged_picture(fmt::format("{} bytes cannot hold {} × {:.0f} pixels", content.size(), width, height));
   if (bits > 8) return;
   const std::uint32_t all = 1u << bits, colors = used == 0 ? all : used;
-  if (colors > all || file_header + header + 4.0 * colors > content.size())
+  if (colors > all || kFileHeader + header + 4.0 * colors > content.size())
     damaged_picture(fmt::format("its palette has {} colors", colors));
   if (colors == all) return;
   for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)

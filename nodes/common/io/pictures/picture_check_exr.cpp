@@ -44,8 +44,8 @@ constexpr std::size_t kFirstHeader = 8;
 }  // namespace
 
 int exr_parts(std::string_view content) {
-  constexpr std::uint32_t multi_part = 0x1000;
-  if (content.size() < kFirstHeader || !(exr_number(content.substr(4)) & multi_part)) return 1;
+  constexpr std::uint32_t kMultiPart = 0x1000;
+  if (content.size() < kFirstHeader || !(exr_number(content.substr(4)) & kMultiPart)) return 1;
   int parts = 0;
   // An empty header ends the list.
   for (std::size_t at = kFirstHeader; at < content.size() && content[at] != '\0'; ++parts)
@@ -73,8 +73,8 @@ void check_exr(std::string_view content, const Reading&) {
           const std::int32_t high = exr_number(value.substr(12));
           height = double(high) - low + 1;
         } else if (name == "compression" && value.size() == 1) {
-          constexpr int of_kind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-          if (const unsigned char kind = value[0]; kind < 10) lines = of_kind[kind];
+          constexpr int kOfKind[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+          if (const unsigned char kind = value[0]; kind < 10) lines = kOfKind[kind];
         } else if (name == "tiles") {
           tiled = true;
           if (value.size() >= 8) lines = std::min(exr_number(value.substr(4)), 1u << 20);

@@ -10,11 +10,11 @@ namespace {
 class GifBlocks {
  public:
   explicit GifBlocks(std::string_view content) : content_(content) {
-    constexpr std::size_t header = 13;
-    need(header);
+    constexpr std::size_t kHeader = 13;
+    need(kHeader);
     screen_width = number(6);
     screen_height = number(8);
-    at_ = header;
+    at_ = kHeader;
     skip_palette(byte(10));
   }
 
@@ -22,11 +22,11 @@ class GifBlocks {
     while (true) {
       need(1);
       const unsigned kind = byte(at_++);
-      constexpr unsigned extension = 0x21, image = 0x2c, trailer = 0x3b;
-      if (kind == trailer) return;
-      if (kind == image) {
+      constexpr unsigned kExtension = 0x21, kImage = 0x2c, kTrailer = 0x3b;
+      if (kind == kTrailer) return;
+      if (kind == kImage) {
         read_image();
-      } else if (kind == extension) {
+      } else if (kind == kExtension) {
         need(1);
         ++at_;
         skip_parts();

@@ -16,8 +16,8 @@ std::uint32_t big32(std::string_view at) {
 
 // Decompresses a text chunk, up to the size that libpng would decompress.
 std::string unpacked(std::string_view bytes) {
-  constexpr std::size_t most = 8'000'000, deflate = 1032;
-  std::string out(std::min(most, deflate * (bytes.size() + 1)), '\0');
+  constexpr std::size_t kMost = 8'000'000, kDeflate = 1032;
+  std::string out(std::min(kMost, kDeflate * (bytes.size() + 1)), '\0');
   z_stream z = {};
   if (inflateInit(&z) != Z_OK) return {};
   z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
@@ -33,9 +33,9 @@ std::string unpacked(std::string_view bytes) {
 // Data of a zTXt chunk: a key, one byte, and compressed text. Data of an iTXt chunk: a key, a flag, one byte,
 // a language, a translated key, and text.
 void check_packed_note(std::string_view name, std::string_view data) {
-  constexpr std::string_view key = "XML:com.adobe.xmp";
-  auto at = key.size();
-  if (!data.starts_with(key) || at + 3 > data.size() || data[at] != '\0') return;
+  constexpr std::string_view kKey = "XML:com.adobe.xmp";
+  auto at = kKey.size();
+  if (!data.starts_with(kKey) || at + 3 > data.size() || data[at] != '\0') return;
   if (name == "iTXt") {
     if (data[at + 1] == 0) return;  // not compressed: checked with the rest of the file
     at = data.find('\0', at + 3);
@@ -50,13 +50,13 @@ void check_packed_note(std::string_view name, std::string_view data) {
 }  // namespace
 
 std::uint32_t png_frames(std::string_view content) {
-  constexpr std::size_t around = 12;
-  for (std::size_t at = 8; at + around <= content.size();) {
+  constexpr std::size_t kAround = 12;
+  for (std::size_t at = 8; at + kAround <= content.size();) {
     const std::uint32_t length = big32(content.substr(at));
     const std::string_view name = content.substr(at + 4, 4);
     if (name == "acTL" && length >= 4) return big32(content.substr(at + 8));
-    if (name == "IDAT" || length > content.size() - at - around) break;
-    at += around + length;
+    if (name == "IDAT" || length > content.size() - at - kAround) break;
+    at += kAround + length;
   }
   return 1;
 }

@@ -11,12 +11,12 @@ namespace terrazzo {
 
 const PictureCodec& picture_codec() {
   // Address space that the libraries need, including the allocations of their constructors.
-  constexpr std::uint64_t room = 260'000'000;
+  constexpr std::uint64_t kRoom = 260'000'000;
   static const PictureCodec& loaded = []() -> const PictureCodec& {
-    if (const std::uint64_t left = available_address_space(); left < room)
+    if (const std::uint64_t left = available_address_space(); left < kRoom)
       throw Error("no-memory",
                   fmt::format("not enough address space to load OpenImageIO: {} MB left, but {} MB needed",
-                              left / 1'000'000, room / 1'000'000),
+                              left / 1'000'000, kRoom / 1'000'000),
                   "raise the limit (ulimit -v)");
     const auto file = library_folder() / TERRAZZO_PICTURE_MODULE;
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

@@ -14,6 +14,7 @@
 #include "nodes/common/io/pictures/pixel_scale.h"
 #include "nodes/common/io/pictures/tiff_directory.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/indices.h"
 #include "runtime/files/json_input.h"
 
 namespace terrazzo {
@@ -61,7 +62,7 @@ void arrange(PicturePages& out, const Stack& stack, const std::vector<long>& pag
 }
 
 void arrange(PicturePages& out, const Stack& stack) {
-  std::vector<long> page_at(static_cast<std::size_t>(stack.planes()));
+  std::vector<long> page_at(stack.planes());
   std::iota(page_at.begin(), page_at.end(), 0L);
   arrange(out, stack, page_at);
 }
@@ -72,9 +73,9 @@ bool add_following_pages(PicturePages& out, std::string_view content, long count
   const TiffReader in(content);
   const TiffDirectory d = in.directory(out.pages[0].directory);
   const auto offsets = d.entries.find(tiff::kStripOffsets);
-  constexpr std::uint64_t uncompressed = 1;
+  constexpr std::uint64_t kUncompressed = 1;
   if (offsets == d.entries.end() || offsets->second.width == 0 || offsets->second.count == 0 ||
-      in.value(d, tiff::kCompression, uncompressed) != uncompressed)
+      in.value(d, tiff::kCompression, kUncompressed) != kUncompressed)
     return false;
   const double row = std::ceil(double(out.pages[0].width) * double(in.value(d, tiff::kSamples, 1)) *
                                double(in.value(d, tiff::kBits, 1)) / 8);
@@ -168,7 +169,7 @@ long first_place(const pugi::xml_node& block, const Stack& stack) {
 std::vector<long> ome_places(PicturePages& out, const pugi::xml_node& pixels, const Stack& stack,
                              const std::string& own_id, const std::string& file_name) {
   const long planes = stack.planes(), pages = out.pages.size();
-  std::vector<long> page_at(static_cast<std::size_t>(planes), -1);
+  std::vector<long> page_at(planes, -1);
   const auto blocks = children_of(pixels, "TiffData");
   for (const auto& block : blocks) {
     for (const auto& id : children_of(block, "UUID"))
@@ -259,8 +260,7 @@ void apply_ome(PicturePages& out, std::string_view content, const std::string& t
   const auto page_at = ome_places(out, pixels[0], stack, root.attribute("UUID").value(), file_name);
   if (!out.problem.empty()) return;
   // OME counts all pages, also thumbnails.
-  if (const auto& last = out.pages.back();
-      last.skip == 0 && last.number + 1 != static_cast<int>(out.pages.size()))
+  if (const auto& last = out.pages.back(); last.skip == 0 && last.number + 1 != count_of(out.pages))
     out.problem = "its OME metadata describe pages among which there are thumbnails";
   if (!out.problem.empty()) return;
   arrange(out, stack, page_at);
@@ -281,8 +281,8 @@ void apply_shape(PicturePages& out, std::string_view content, const std::string&
   const long samples = in.value(d, tiff::kSamples, 1);
   std::vector<long> page = {out.pages[0].height, out.pages[0].width};
   if (samples > 1) {
-    constexpr std::uint64_t separate = 2;
-    const bool first = in.value(d, tiff::kPlanar, 1) == separate;
+    constexpr std::uint64_t kSeparate = 2;
+    const bool first = in.value(d, tiff::kPlanar, 1) == kSeparate;
     page.insert(first ? page.begin() : page.end(), samples);
   }
   if (shape.size() < page.size() || !std::equal(page.rbegin(), page.rend(), shape.rbegin())) return;

@@ -11,6 +11,7 @@
 #include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/io/pictures/picture_content.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 
@@ -33,7 +34,7 @@ class PictureInput {
   template <class T>
   std::vector<T> samples(Sample type, double more) {
     require(sizeof(T), more);
-    std::vector<T> out(static_cast<std::size_t>(header().width) * header().height * header().count());
+    std::vector<T> out(pixels_in(header().width, header().height) * header().count());
     decode(type, out.data());
     return out;
   }

@@ -26,19 +26,19 @@ std::uint32_t big_number(std::string_view at, std::size_t bytes) {
 // The data of the EXIF segment of a JPEG file, or "".
 std::string_view jpeg_exif(std::string_view content) {
   using namespace std::string_view_literals;
-  constexpr auto name = "Exif\0\0"sv;
+  constexpr auto kName = "Exif\0\0"sv;
   for (std::size_t at = 2; at + 4 <= content.size() && content[at] == '\xff';) {
     const unsigned char kind = content[at + 1];
-    constexpr unsigned char fill = 0xff, scan = 0xda, exif = 0xe1;
+    constexpr unsigned char fill = 0xff, kScan = 0xda, exif = 0xe1;
     if (kind == fill) {
       ++at;
       continue;
     }
-    if (kind == scan) return {};
+    if (kind == kScan) return {};
     const std::size_t length = big_number(content.substr(at + 2), 2);
     if (length < 2 || length > content.size() - at - 2) return {};
     const std::string_view data = content.substr(at + 4, length - 2);
-    if (kind == exif && data.starts_with(name)) return data.substr(name.size());
+    if (kind == exif && data.starts_with(kName)) return data.substr(kName.size());
     at += 2 + length;
   }
   return {};
@@ -64,10 +64,10 @@ void apply_exif(std::string_view block, PictureMetadata& out) try {
   out.orientation = in.value(first, tiff::kOrientation, 1) & 15;
   const auto at = in.value(first, tiff::kExif, 0);
   if (at == 0) return;
-  constexpr std::uint64_t color_space = 0xa001, interoperability = 0xa005, adobe_rgb = 2;
+  constexpr std::uint64_t kColorSpace = 0xa001, kInteroperability = 0xa005, adobe_rgb = 2;
   const TiffDirectory exif = in.directory(at);
-  bool adobe = in.value(exif, color_space, 1) == adobe_rgb;  // as some cameras write it
-  if (const auto more = in.value(exif, interoperability, 0); more != 0)
+  bool adobe = in.value(exif, kColorSpace, 1) == adobe_rgb;  // as some cameras write it
+  if (const auto more = in.value(exif, kInteroperability, 0); more != 0)
     adobe = adobe || in.text(in.directory(more), 1) == "R03";
   if (adobe) out.colors = StatedColors{kAdobeRgb, Transfer::Power, 563.0 / 256, "its EXIF data (Adobe RGB)"};
 } catch (const Error&) {
@@ -105,8 +105,8 @@ void apply_code_points(std::string_view data, PictureMetadata& out) {
 // The same but for rounding.
 bool is_near(const Chromaticities& a, const Chromaticities& b) {
   const auto near = [](const std::array<double, 2>& p, const std::array<double, 2>& q) {
-    constexpr double rounding = 5e-4;
-    return std::abs(p[0] - q[0]) < rounding && std::abs(p[1] - q[1]) < rounding;
+    constexpr double kRounding = 5e-4;
+    return std::abs(p[0] - q[0]) < kRounding && std::abs(p[1] - q[1]) < kRounding;
   };
   return near(a.red, b.red) && near(a.green, b.green) && near(a.blue, b.blue) && near(a.white, b.white);
 }
@@ -123,14 +123,14 @@ void apply_png(std::string_view content, PictureMetadata& out) {
     out.colors.reset();
     return;
   }
-  constexpr double unit = 100000;
+  constexpr double kUnit = 100000;
   const std::string_view gamma = chunk("gAMA"), colors = chunk("cHRM");
   if (gamma.size() < 4 && colors.size() < 32) return;
   StatedColors stated;
   if (colors.size() >= 32) {
     const auto pair = [&](std::size_t i) {
-      return std::array{big_number(colors.substr(8 * i), 4) / unit,
-                        big_number(colors.substr(8 * i + 4), 4) / unit};
+      return std::array{big_number(colors.substr(8 * i), 4) / kUnit,
+                        big_number(colors.substr(8 * i + 4), 4) / kUnit};
     };
     stated.chromaticities = {pair(1), pair(2), pair(3), pair(0)};
   }
@@ -139,7 +139,7 @@ void apply_png(std::string_view content, PictureMetadata& out) {
   if (const std::uint32_t g = gamma.size() < 4 ? 0 : big_number(gamma, 4);
       g > 0 && (!of_srgb || g < 45000 || g > 46000)) {
     stated.transfer = Transfer::Power;
-    stated.exponent = unit / g;
+    stated.exponent = kUnit / g;
   }
   stated.source = colors.size() >= 32 ? "its PNG chunks gAMA and cHRM" : "its PNG chunk gAMA";
   out.colors = stated;

@@ -37,9 +37,9 @@ std::optional<PixelScale> of_camera(const PictureDecoder& in) {
   double per_focal = 0, uncertainty = 0;  // pitch of the present pixels / focal length
   const double resolution = in.number("Exif:FocalPlaneXResolution");
   if (resolution > 0) {
-    static constexpr double units[6] = {0, 0, 25.4, 10, 1, 0.001};
+    static constexpr double kUnits[6] = {0, 0, 25.4, 10, 1, 0.001};
     const int unit = in.whole("Exif:FocalPlaneResolutionUnit", 2);
-    const double mm = unit >= 2 && unit <= 5 ? units[unit] : 0;
+    const double mm = unit >= 2 && unit <= 5 ? kUnits[unit] : 0;
     // The picture may have been reduced since it was taken.
     const double taken = std::max(in.whole("Exif:PixelXDimension"), in.whole("Exif:PixelYDimension"));
     per_focal = mm / resolution * (taken > 0 ? taken / longest : 1) / focal;
@@ -71,23 +71,23 @@ std::optional<PixelScale> of_scan(const PictureDecoder& in) {
 }  // namespace
 
 double mm_of_unit(const std::string& unit) {
-  static constexpr std::array<std::pair<std::string_view, double>, 16> known{{{"nm", 1e-6},
-                                                                              {"um", 1e-3},
-                                                                              {"nanometer", 1e-6},
-                                                                              {"micrometer", 1e-3},
-                                                                              {"millimeter", 1},
-                                                                              {"µm", 1e-3},
-                                                                              {"μm", 1e-3},
-                                                                              {"\\u00B5m", 1e-3},
-                                                                              {"micron", 1e-3},
-                                                                              {"microns", 1e-3},
-                                                                              {"mm", 1},
-                                                                              {"cm", 10},
-                                                                              {"m", 1000},
-                                                                              {"inch", 25.4},
-                                                                              {"inches", 25.4},
-                                                                              {"in", 25.4}}};
-  for (const auto& [name, mm] : known)
+  static constexpr std::array<std::pair<std::string_view, double>, 16> kKnown{{{"nm", 1e-6},
+                                                                               {"um", 1e-3},
+                                                                               {"nanometer", 1e-6},
+                                                                               {"micrometer", 1e-3},
+                                                                               {"millimeter", 1},
+                                                                               {"µm", 1e-3},
+                                                                               {"μm", 1e-3},
+                                                                               {"\\u00B5m", 1e-3},
+                                                                               {"micron", 1e-3},
+                                                                               {"microns", 1e-3},
+                                                                               {"mm", 1},
+                                                                               {"cm", 10},
+                                                                               {"m", 1000},
+                                                                               {"inch", 25.4},
+                                                                               {"inches", 25.4},
+                                                                               {"in", 25.4}}};
+  for (const auto& [name, mm] : kKnown)
     if (unit == name) return mm;
   return 0;
 }

@@ -5,6 +5,7 @@
 
 #include "nodes/common/io/pictures/picture_check.h"
 #include "nodes/common/io/pictures/stored_picture.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 namespace {
@@ -88,7 +89,7 @@ void read_pnm_bytes(const PnmReader& in, bool bitmap, long top, StoredSamples& o
 }  // namespace
 
 StoredSamples stored_bmp(const PictureContent& c, const Reading& reading, double more) {
-  constexpr std::size_t file_header = 14;
+  constexpr std::size_t kFileHeader = 14;
   const std::string_view content = c.bytes;
   const std::size_t pixels_at = bmp_number(content, 10, 4), header = bmp_number(content, 14, 4);
   const std::int32_t width = bmp_number(content, 18, 4);
@@ -98,9 +99,9 @@ StoredSamples stored_bmp(const PictureContent& c, const Reading& reading, double
   out.bits = bits;
   allocate_samples(out, c, width, std::abs(double(height)), 8, reading, more);
   const std::size_t colors = used == 0 ? std::size_t{1} << bits : used;
-  for (std::size_t i = 0; i < colors && file_header + header + 4 * i + 4 <= content.size(); ++i) {
+  for (std::size_t i = 0; i < colors && kFileHeader + header + 4 * i + 4 <= content.size(); ++i) {
     const auto color = [&](std::size_t k) {
-      return static_cast<std::uint8_t>(content[file_header + header + 4 * i + k]);
+      return static_cast<std::uint8_t>(content[kFileHeader + header + 4 * i + k]);
     };
     out.palette.push_back({color(2), color(1), color(0)});
   }
@@ -110,8 +111,7 @@ StoredSamples stored_bmp(const PictureContent& c, const Reading& reading, double
     for (int x = 0; x < out.width; ++x) {
       const std::size_t bit = x * bits;
       const unsigned char byte = content[pixels_at + line * row + bit / 8];
-      out.values[static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) + x] =
-          byte >> (8 - bits - bit % 8) & mask;
+      out.values[pixel_at(x, y, out.width)] = byte >> (8 - bits - bit % 8) & mask;
     }
   }
   return out;

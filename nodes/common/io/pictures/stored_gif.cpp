@@ -15,7 +15,7 @@ struct GifSource {
 
 int gif_take(GifFileType* gif, GifByteType* to, int size) {
   auto& s = *static_cast<GifSource*>(gif->UserData);
-  const std::size_t n = std::min(s.left.size(), static_cast<std::size_t>(std::max(size, 0)));
+  const std::size_t n = std::min<std::size_t>(s.left.size(), std::max(size, 0));
   std::memcpy(to, s.left.data(), n);
   s.left.remove_prefix(n);
   return n;
@@ -62,7 +62,7 @@ StoredSamples stored_gif(const PictureContent& c, const PicturePage& page, const
   for (int i = 0; i < colors->ColorCount; ++i)
     out.palette.push_back({colors->Colors[i].Red, colors->Colors[i].Green, colors->Colors[i].Blue});
   if (clear >= 0 && clear < 256) {
-    out.palette_alpha.assign(static_cast<std::size_t>(clear) + 1, 255);
+    out.palette_alpha.assign(clear + 1, 255);
     out.palette_alpha.back() = 0;
   }
   for (std::size_t i = 0; i < out.values.size(); ++i) out.values[i] = frame.RasterBits[i];

@@ -65,10 +65,10 @@ StoredSamples stored_as_written(const PictureContent& c, const PicturePage& page
 
 void allocate_samples(StoredSamples& out, const PictureContent& c, double width, double height, double ratio,
                       const Reading& reading, double more) {
-  constexpr double longest = 1 << 30;
+  constexpr double kLongest = 1 << 30;
   if (width < 1 || height < 1) throw unreadable_picture(c.path, "it is empty");
   const double pixels = width * height, samples = pixels * out.count;
-  if (width > longest || height > longest ||
+  if (width > kLongest || height > kLongest ||
       samples * std::max(1.0, out.bits / 8.0) > ratio * c.bytes.size() + 1e6)
     throw unreadable_picture(c.path, fmt::format("{} bytes cannot hold {:.0f} × {:.0f} pixels of {} channels",
                                                  c.bytes.size(), width, height, out.count));
@@ -80,7 +80,7 @@ void allocate_samples(StoredSamples& out, const PictureContent& c, double width,
   }
   out.width = static_cast<int>(width);
   out.height = static_cast<int>(height);
-  out.values.resize(static_cast<std::size_t>(samples));
+  out.values.resize(samples);
 }
 
 StoredSamples stored_samples(const PictureContent& c, const PicturePage& page, const Reading& reading,

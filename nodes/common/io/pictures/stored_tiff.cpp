@@ -11,6 +11,7 @@
 #include "nodes/common/io/pictures/picture_check.h"
 #include "nodes/common/io/pictures/stored_picture.h"
 #include "nodes/common/io/pictures/tiff_directory.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo {
 namespace {
@@ -29,7 +30,7 @@ TiffSource& tiff_source(thandle_t handle) { return *static_cast<TiffSource*>(han
 tmsize_t tiff_read(thandle_t handle, void* to, tmsize_t size) {
   TiffSource& s = tiff_source(handle);
   const std::uint64_t left = s.content.size() - std::min<std::uint64_t>(s.at, s.content.size());
-  const std::uint64_t n = std::min(left, static_cast<std::uint64_t>(std::max<tmsize_t>(0, size)));
+  const std::uint64_t n = std::min<std::uint64_t>(left, std::max<tmsize_t>(0, size));
   std::memcpy(to, s.content.data() + s.content.size() - left, n);
   s.at += n;
   return n;
@@ -103,7 +104,7 @@ TiffLayout tiff_layout(const TiffReader& in, const TiffDirectory& d) {
   if (const auto extra = d.entries.find(tiff::kExtraSamples);
       extra != d.entries.end() && extra->second.width > 0)
     for (std::uint64_t i = 0; i < std::min<std::uint64_t>(extra->second.count, 1000); ++i)
-      l.extra.push_back(static_cast<int>(in.value(extra->second, i)));
+      l.extra.push_back(in.value(extra->second, i));
   return l;
 }
 
@@ -127,9 +128,9 @@ std::string tiff_compression(int compression) {
 }
 
 bool is_lossy_compression(int compression) {
-  constexpr int jpeg_2000 = 34712, webp = 50001, jpeg_xl = 50002;
-  return compression == COMPRESSION_OJPEG || compression == COMPRESSION_JPEG || compression == jpeg_2000 ||
-         compression == webp || compression == jpeg_xl || compression == COMPRESSION_LERC;
+  constexpr int kJpeg2000 = 34712, kWebp = 50001, kJpegXl = 50002;
+  return compression == COMPRESSION_OJPEG || compression == COMPRESSION_JPEG || compression == kJpeg2000 ||
+         compression == kWebp || compression == kJpegXl || compression == COMPRESSION_LERC;
 }
 
 void require_supported(const TiffLayout& l, const std::filesystem::path& path) {
@@ -200,10 +201,7 @@ void copy_block(const unsigned char* block, std::uint64_t stride, int x0, int y0
   for (int y = y0; y < below; ++y) {
     const unsigned char* row = block + (y - y0) * stride;
     for (int x = x0; x < right; ++x) {
-      double* to = &out.values[(static_cast<std::size_t>(y) * static_cast<std::size_t>(out.width) +
-                                static_cast<std::size_t>(x)) *
-                                   static_cast<std::size_t>(out.count) +
-                               s0];
+      double* to = &out.values[(pixel_at(x, y, out.width)) * static_cast<std::size_t>(out.count) + s0];
       for (int s = 0; s < together; ++s)
         to[s] = sample_number(
             row_bits(row, static_cast<std::uint64_t>(x - x0) * static_cast<std::uint64_t>(together) + s,
@@ -243,10 +241,10 @@ class BlockReader {
   void tiles(int s) {
     std::uint32_t width = 0, height = 0;
     TIFFGetField(in_, TIFFTAG_TILEWIDTH, &width), TIFFGetField(in_, TIFFTAG_TILELENGTH, &height);
-    constexpr std::uint32_t longest = 1u << 30;
+    constexpr std::uint32_t kLongest = 1u << 30;
     if (width < 1 || height < 1) throw failure("its tiles are empty");
-    width = std::min(width, longest);
-    height = std::min(height, longest);
+    width = std::min(width, kLongest);
+    height = std::min(height, kLongest);
     block_.resize(size(TIFFTileSize64(in_)));
     const std::uint64_t stride = TIFFTileRowSize(in_);
     for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(layout_.height); y += height)
@@ -261,7 +259,7 @@ class BlockReader {
   void strips(int s) {
     std::uint32_t rows = 0;
     TIFFGetFieldDefaulted(in_, TIFFTAG_ROWSPERSTRIP, &rows);
-    rows = std::min(std::max(rows, 1u), static_cast<std::uint32_t>(layout_.height));
+    rows = std::min<std::uint32_t>(std::max(rows, 1u), layout_.height);
     block_.resize(size(TIFFStripSize64(in_)));
     const std::uint64_t stride = TIFFScanlineSize(in_);
     for (std::uint32_t y = 0; y < static_cast<std::uint32_t>(layout_.height); y += rows) {
@@ -349,7 +347,7 @@ StoredSamples tiff_description(const PictureContent& c, const PicturePage& page)
              : l.photometric >= PHOTOMETRIC_CIELAB && l.photometric < 32768 ? ColorKind::Lab
              : l.photometric == PHOTOMETRIC_PALETTE                         ? ColorKind::Palette
                                                                             : ColorKind::Plain;
-  for (std::size_t i = 0; i < l.extra.size() && static_cast<int>(l.extra.size()) < l.samples; ++i)
+  for (std::size_t i = 0; i < l.extra.size() && count_of(l.extra) < l.samples; ++i)
     if (l.extra[i] == EXTRASAMPLE_ASSOCALPHA || l.extra[i] == EXTRASAMPLE_UNASSALPHA)
       out.alpha = l.samples - static_cast<int>(l.extra.size() - i);
   return out;

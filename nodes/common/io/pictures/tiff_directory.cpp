@@ -13,8 +13,8 @@ namespace {
 constexpr std::uint64_t kMostEntries = 20'000'000;
 
 int width_of(std::uint64_t type) {
-  constexpr int widths[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
-  return type < std::size(widths) ? widths[type] : 0;
+  constexpr int kWidths[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+  return type < std::size(kWidths) ? kWidths[type] : 0;
 }
 
 // Directories may overlap, so that a small file could describe very many.
@@ -87,8 +87,8 @@ std::string TiffReader::text(const TiffDirectory& d, std::uint64_t tag) const {
 
 double TiffReader::ratio(const TiffDirectory& d, std::uint64_t tag) const {
   const auto found = d.entries.find(tag);
-  constexpr std::uint64_t rational = 5;
-  if (found == d.entries.end() || found->second.type != rational || found->second.count < 1) return 0;
+  constexpr std::uint64_t kRational = 5;
+  if (found == d.entries.end() || found->second.type != kRational || found->second.count < 1) return 0;
   const double above = number(found->second.at, 4);
   const double below = number(found->second.at + 4, 4);
   return below > 0 ? above / below : 0;

@@ -8,6 +8,7 @@
 #include "nodes/common/geometry/mesh/aabb_tree.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/rank.h"
+#include "nodes/data/indices.h"
 #include "nodes/packing/rigid/simplify.h"
 
 namespace terrazzo::packing {
@@ -100,7 +101,7 @@ Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covere
   std::vector<int> candidates;
   const std::size_t stride = 1 + mesh.vertices.size() / 8000;
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride)
-    if (!normal[v].isZero()) candidates.push_back(static_cast<int>(v));
+    if (!normal[v].isZero()) candidates.push_back(v);
   std::vector<double> distance(candidates.size(), 1e300), protrusion(candidates.size(), radius);
   Choice choice;
   const double near = 0.5 * radius;
@@ -117,9 +118,9 @@ Choice choose_vertices(const Mesh& mesh, double radius, std::vector<bool> covere
   for (std::size_t k = 0; k < candidates.size(); ++k)
     if (covered[candidates[k]]) take(k);
   const int spread = kCoarse / 2;
-  while (static_cast<int>(choice.order.size()) < kFine) {
+  while (count_of(choice.order) < kFine) {
     work.check();
-    const auto& need = static_cast<int>(choice.order.size()) < spread ? distance : protrusion;
+    const auto& need = count_of(choice.order) < spread ? distance : protrusion;
     const auto worst = std::max_element(need.begin(), need.end());
     if (worst == need.end()) break;
     if (&need == &protrusion && *worst < 1e-4 * radius) break;
@@ -247,7 +248,7 @@ ContactShape make_contact_shape(const Mesh& original, const Work& work) {
   std::vector<Vec3> sharp;
   for (const auto& [a, b] : convex_edges(mesh, 0.5)) {
     const Vec3 &p = mesh.vertices[a], &q = mesh.vertices[b];
-    const int pieces = std::max(1, static_cast<int>(std::ceil((q - p).norm() / (0.12 * r))));
+    const int pieces = std::max(1, round_up((q - p).norm() / (0.12 * r)));
     for (int k = 0; k < pieces; ++k)
       segments.push_back(segment_element(p + (q - p) * k / pieces, p + (q - p) * (k + 1) / pieces));
     covered[a] = covered[b] = true;

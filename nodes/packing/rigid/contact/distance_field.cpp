@@ -2,6 +2,7 @@
 
 #include "nodes/common/geometry/mesh/aabb_tree.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::packing {
 
@@ -66,8 +67,8 @@ bool DistanceField::make_planes(const Mesh& mesh) {
       if (n.dot(v) > d + 1e-5 * r) return false;
   kind_ = Kind::Planes;
   for (const auto& [n, d] : distinct) {
-    nx_.push_back(static_cast<float>(n[0])), ny_.push_back(static_cast<float>(n[1]));
-    nz_.push_back(static_cast<float>(n[2])), offset_.push_back(static_cast<float>(d));
+    nx_.push_back(n[0]), ny_.push_back(n[1]);
+    nz_.push_back(n[2]), offset_.push_back(d);
   }
   return true;
 }
@@ -84,7 +85,7 @@ void DistanceField::make_grid(const Mesh& mesh, int cells, const Work& work) {
   pad_ = 0.99 * pad;
   for (int a = 0; a < 3; ++a) {
     origin_[a] = box.low[a] - pad;
-    n_[a] = static_cast<int>(std::ceil((extent[a] + 2 * pad) / cell)) + 1;
+    n_[a] = round_up((extent[a] + 2 * pad) / cell) + 1;
   }
   grid_.resize(static_cast<std::size_t>(n_[0]) * n_[1] * n_[2]);
   const MeshDistance distance(mesh);
@@ -111,7 +112,7 @@ void DistanceField::include(const std::vector<Vec3>& points) {
     if (!(outside > 0)) continue;
     std::size_t corner = 0;
     for (int a = 2; a >= 0; --a) {
-      const int c = std::clamp(static_cast<int>((p[a] - origin_[a]) * inverse_cell_), 0, n_[a] - 2);
+      const int c = std::clamp<int>((p[a] - origin_[a]) * inverse_cell_, 0, n_[a] - 2);
       corner = corner * n_[a] + c;
     }
     const std::size_t sy = n_[0], sz = static_cast<std::size_t>(n_[0]) * n_[1];

@@ -90,7 +90,7 @@ float DistanceField::sample_grid(const float* p, float* g) const {
   bool in = true;
   for (int a = 0; a < 3; ++a) {
     u[a] = (p[a] - origin_[a]) * inverse_cell_;
-    const float top = static_cast<float>(n_[a] - 1);
+    const float top = n_[a] - 1;
     if (!(u[a] >= 0 && u[a] < top)) {
       in = false;
       const float e = u[a] < 0 ? -u[a] : std::max(u[a] - top, 0.f);

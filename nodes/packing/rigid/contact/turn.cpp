@@ -49,7 +49,7 @@ class SphereTurner {
       const auto& vertices = meshes.shapes[s].mesh.vertices;
       corners_[s].resize(vertices.size(), 3);
       for (std::size_t v = 0; v < vertices.size(); ++v)
-        corners_[s].row(static_cast<Eigen::Index>(v)) = vertices[v].cast<float>().transpose();
+        corners_[s].row(v) = vertices[v].cast<float>().transpose();
     }
     for (std::size_t i = 0; i < radius_.size(); ++i)
       if (corners_[packing.shape[i]].rows() > 0)

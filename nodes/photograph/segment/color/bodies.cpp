@@ -12,7 +12,7 @@ namespace terrazzo::segment {
 namespace {
 
 // Pixels: half the radius of the smallest disk that stays separate at a contrast of one spread.
-constexpr double depth = 6;
+constexpr double kDepth = 6;
 
 struct Contact {
   double length = 0, gradient = 0;
@@ -93,7 +93,7 @@ std::vector<std::int32_t> color_bodies(const Mosaic& m, const std::vector<std::u
     }
   RegionGraph graph(m.smooth, labels, std::vector<float>(labels.size(), 1.0f));
   if (any_outside) graph.isolate(outside);
-  graph.merge(depth * m.spread * m.spread, work);
+  graph.merge(kDepth * m.spread * m.spread, work);
   const auto merged = graph.labels();
   std::int32_t outside_now = 0;
   for (std::size_t i = 0; any_outside && i < labels.size() && outside_now == 0; ++i)

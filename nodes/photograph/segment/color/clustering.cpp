@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::segment {
@@ -13,7 +14,7 @@ namespace {
 std::vector<Vec3f> plus_plus(const std::vector<Vec3f>& points, int k, Random& random) {
   std::vector<Vec3f> centers{points[random.below(points.size())]};
   std::vector<float> distance(points.size(), std::numeric_limits<float>::max());
-  while (static_cast<int>(centers.size()) < k) {
+  while (count_of(centers) < k) {
     double total = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       distance[i] = std::min(distance[i], (points[i] - centers.back()).squaredNorm());
@@ -107,7 +108,7 @@ Clusters k_means(const std::vector<Vec3f>& points, int k, std::uint64_t seed, co
     if (n > 1 && second > 0) silhouette += 1 - std::sqrt(first / second);
   }
   for (std::size_t c = 0; c < n; ++c) {
-    out.weights[c] = counts[c] / static_cast<double>(points.size());
+    out.weights[c] = counts[c] / points.size();
     out.spread.push_back(counts[c] > 0 ? static_cast<float>(std::sqrt(squares[c] / counts[c])) : 0.0f);
   }
   out.silhouette = silhouette / points.size();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nodes/common/geometry/rank.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/split.h"
 
 namespace terrazzo::segment {
@@ -20,7 +21,7 @@ struct PixelLists {
   std::vector<std::int32_t> pixels;
 
   PixelLists(const std::int32_t* ids, std::size_t size, std::int32_t low, std::int32_t count) {
-    first.assign(static_cast<std::size_t>(count) + 1, 0);
+    first.assign(count + 1, 0);
     for (std::size_t i = 0; i < size; ++i)
       if (ids[i] >= low) ++first[ids[i] - low + 1];
     for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
@@ -35,16 +36,14 @@ struct PixelLists {
 cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, const IgnoredPixels& ignored,
                      float binder, float particles) {
   const double scale = std::min(1.0, 256.0 / std::max(image.width, image.height));
-  const int w = std::max(1, static_cast<int>(image.width * scale)),
-            h = std::max(1, static_cast<int>(image.height * scale));
+  const int w = std::max<int>(1, image.width * scale), h = std::max<int>(1, image.height * scale);
   cv::Mat sum(h, w, CV_32F, cv::Scalar(0)), weight(h, w, CV_32F, cv::Scalar(0));
   const std::size_t before = image.index(0, 0, section);
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * image.width + x;
+      const std::size_t i = pixel_at(x, y, image.width);
       if (!ignored.empty() && ignored[before + i]) continue;
-      const int u = std::min(w - 1, static_cast<int>(x * scale)),
-                v = std::min(h - 1, static_cast<int>(y * scale));
+      const int u = std::min<int>(w - 1, x * scale), v = std::min<int>(h - 1, y * scale);
       const float share = ids[i] > 0 ? 0.1f : 1.0f;
       sum.at<float>(v, u) += share * (std::log(std::max(1e-3f, luminance(image.pixels[before + i]))) -
                                       (ids[i] > 0 ? particles : binder));
@@ -115,7 +114,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
     after += std::pow(std::clamp<double>(light[k] - value, -cap, cap), 2);
     values[k] = value;
   }
-  const double level = std::max(1e-4, static_cast<double>(median(std::move(values))));
+  const double level = std::max<double>(1e-4, median(std::move(values)));
   const double explained = before > 0 ? 1 - after / before : 0,
                trust = std::clamp((explained - 0.1) / 0.3, 0.0, 1.0);
   std::vector<float> even(n);
@@ -139,7 +138,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
 
 Image delight(const Image& photo, const Labels& labels, const IgnoredPixels& ignored, const Work& work) {
   Image out = photo;
-  const std::size_t size = static_cast<std::size_t>(photo.width) * photo.height;
+  const std::size_t size = pixels_in(photo.width, photo.height);
   for (int section = 0; section < photo.sections; ++section) {
     work.check();
     const std::size_t before = size * section;

@@ -12,9 +12,9 @@
 namespace terrazzo::segment {
 namespace {
 
-constexpr int sample_count = 8000;
-constexpr int coarse_side = 320;  // pixels; shapes are scored on a coarse copy
-constexpr double ordinary = 0.6;  // neutral value of solidity × share of the outline that borders the binder
+constexpr int kSampleCount = 8000;
+constexpr int kCoarseSide = 320;   // pixels; shapes are scored on a coarse copy
+constexpr double kOrdinary = 0.6;  // neutral value of solidity × share of the outline that borders the binder
 
 struct Coarse {
   int width, height;
@@ -24,7 +24,7 @@ struct Coarse {
 Coarse coarse_copy(const Mosaic& m, const Clusters& clusters) {
   std::vector<int> of_patch;
   for (const auto& c : m.colors) of_patch.push_back(clusters.nearest(c));
-  const int step = std::max(1, (std::max(m.width, m.height) + coarse_side - 1) / coarse_side);
+  const int step = std::max(1, (std::max(m.width, m.height) + kCoarseSide - 1) / kCoarseSide);
   Coarse out{std::max(1, m.width / step), std::max(1, m.height / step), {}};
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
@@ -45,7 +45,7 @@ double score_of(const std::vector<Coarse>& sections, const std::vector<bool>& is
          measure_pieces(split_at_necks(particles, s.width, s.height, split, work), s.width, s.height)) {
       if (p.area < 8) continue;
       const double open = p.outline / std::max(1.0, p.outline + p.contact + p.at_border);
-      score += p.area * (p.solidity() * open - ordinary);
+      score += p.area * (p.solidity() * open - kOrdinary);
     }
     area += s.cluster.size();
   }
@@ -55,7 +55,7 @@ double score_of(const std::vector<Coarse>& sections, const std::vector<bool>& is
 Clusters find_clusters(const std::vector<Mosaic>& sections, int k, std::uint64_t seed, const Work& work) {
   std::vector<Vec3f> points;
   Random random(seed, 1);
-  for (int i = 0; i < sample_count; ++i) {
+  for (int i = 0; i < kSampleCount; ++i) {
     const Mosaic& m = sections[i % sections.size()];
     points.push_back(m.colors[m.patches[random.below(m.patches.size())] - 1]);
   }

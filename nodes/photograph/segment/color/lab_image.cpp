@@ -6,15 +6,16 @@
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::segment {
 namespace {
 
-constexpr std::size_t rows = 16;  // rows per task
+constexpr std::size_t kRows = 16;  // rows per task
 
 template <class Row>
 void each_row(const LabImage& image, const Work& work, Row&& row) {
-  work.parallel(image.height, rows, [&](std::size_t b, std::size_t e) {
+  work.parallel(image.height, kRows, [&](std::size_t b, std::size_t e) {
     for (std::size_t y = b; y < e; ++y) row(static_cast<int>(y));
   });
 }
@@ -29,7 +30,7 @@ int mirrored(int i, int n) {
 
 LabImage lab_section(const Image& image, int section, const Work& work) {
   LabImage lab{image.width, image.height, {}};
-  lab.pixels.resize(static_cast<std::size_t>(image.width) * image.height);
+  lab.pixels.resize(pixels_in(image.width, image.height));
   const Vec3f* first = image.pixels.data() + image.index(0, 0, section);
   each_row(lab, work, [&](int y) {
     for (std::size_t i = lab.index(0, y); i < lab.index(0, y + 1); ++i)
@@ -95,7 +96,7 @@ LabImage median3(const LabImage& image, const Work& work) {
 
 LabImage blur(const LabImage& image, float sigma, const Work& work) {
   if (sigma <= 0) return image;
-  const int size = 2 * static_cast<int>(std::ceil(3 * sigma)) + 1;
+  const int size = 2 * round_up(3 * sigma) + 1;
   const cv::Mat kernel = cv::getGaussianKernel(size, sigma, CV_32F);
   LabImage out = image;
   const auto matrix = [](const LabImage& of) {
@@ -103,7 +104,7 @@ LabImage blur(const LabImage& image, float sigma, const Work& work) {
   };
   const cv::Mat from = matrix(image);
   const cv::Mat to = matrix(out);
-  work.parallel(image.height, rows, [&](std::size_t b, std::size_t e) {
+  work.parallel(image.height, kRows, [&](std::size_t b, std::size_t e) {
     const cv::Range part(static_cast<int>(b), static_cast<int>(e));
     cv::Mat strip = to.rowRange(part);  // the filter sees the rows around the strip too
     cv::sepFilter2D(from.rowRange(part), strip, CV_32F, kernel, kernel, {-1, -1}, 0, cv::BORDER_REFLECT);

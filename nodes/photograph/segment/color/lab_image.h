@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/data/indices.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {
@@ -11,7 +12,7 @@ namespace terrazzo::segment {
 struct LabImage {
   int width = 0, height = 0;
   std::vector<Vec3f> pixels;  // Oklab, row by row from the top
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+  std::size_t index(int x, int y) const { return pixel_at(x, y, width); }
 };
 
 LabImage lab_section(const Image&, int section, const Work&);

@@ -18,9 +18,9 @@ class Flow {
 
   void add(int a, int b, std::int64_t forth, std::int64_t back) {
     if (forth == 0 && back == 0) return;
-    out_[a].push_back(static_cast<std::int32_t>(arcs_.size()));
+    out_[a].push_back(arcs_.size());
     arcs_.push_back({b, forth});
-    out_[b].push_back(static_cast<std::int32_t>(arcs_.size()));
+    out_[b].push_back(arcs_.size());
     arcs_.push_back({a, back});
   }
 

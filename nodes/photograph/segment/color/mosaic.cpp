@@ -12,7 +12,7 @@
 namespace terrazzo::segment {
 namespace {
 
-constexpr float chroma = 2;
+constexpr float kChroma = 2;
 
 float spread_of(const LabImage& image) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -30,13 +30,13 @@ float spread_of(const LabImage& image) {
 // converts it to the median of noise and texture alone (2.1 for normal noise in one channel, less for three
 // channels, more if texture is patchy).
 float usual_difference(const LabImage& image) {
-  constexpr int apart = 4;
+  constexpr int kApart = 4;
   std::vector<float> all;
   for (int y = 0; y < image.height; y += 2)
     for (int x = 0; x < image.width; x += 2) {
       const Vec3f& p = image.pixels[image.index(x, y)];
-      if (x + apart < image.width) all.push_back((p - image.pixels[image.index(x + apart, y)]).norm());
-      if (y + apart < image.height) all.push_back((p - image.pixels[image.index(x, y + apart)]).norm());
+      if (x + kApart < image.width) all.push_back((p - image.pixels[image.index(x + kApart, y)]).norm());
+      if (y + kApart < image.height) all.push_back((p - image.pixels[image.index(x, y + kApart)]).norm());
     }
   return all.empty() ? 0 : 2.4f * at_rank(all, all.size() / 4);
 }
@@ -57,8 +57,8 @@ std::vector<float> gradient_of(const LabImage& image) {
   return g;
 }
 
-Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], chroma * oklab[1], chroma * oklab[2]}; }
-Vec3f linear_of_patch_color(const Vec3f& c) { return oklab_to_linear({c[0], c[1] / chroma, c[2] / chroma}); }
+Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], kChroma * oklab[1], kChroma * oklab[2]}; }
+Vec3f linear_of_patch_color(const Vec3f& c) { return oklab_to_linear({c[0], c[1] / kChroma, c[2] / kChroma}); }
 Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
 
 LabImage patch_section(const Image& image, int section, const Work& work) {
@@ -82,7 +82,7 @@ void make_patches(Mosaic& m, const Work& work) {
   m.patches = graph.labels();
   for (const auto& r : graph.regions()) {
     m.colors.push_back(r.color());
-    m.areas.push_back(static_cast<float>(r.area));
+    m.areas.push_back(r.area);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/lab_image.h"
 
 namespace terrazzo::segment {
@@ -31,7 +32,7 @@ struct Mosaic {
   std::vector<std::int32_t> patches;  // of each pixel, from 1
   std::vector<Vec3f> colors;          // of patch k at k − 1
   std::vector<float> areas;           // pixels
-  std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+  std::size_t index(int x, int y) const { return pixel_at(x, y, width); }
 };
 
 // Diffusion, watershed of the gradient, then Mumford–Shah merging of neighbors up to three times the usual

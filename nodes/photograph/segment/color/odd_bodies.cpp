@@ -9,7 +9,7 @@
 namespace terrazzo::segment {
 namespace {
 
-constexpr double edge_width = 6;  // pixels; a color change over a longer distance is not an edge
+constexpr double kEdgeWidth = 6;  // pixels; a color change over a longer distance is not an edge
 
 // Value with half of the weight at or below it.
 float weighted_median(std::vector<std::pair<float, float>> values) {
@@ -131,7 +131,7 @@ void add_odd_bodies(const Mosaic& m, const Ground& ground, double min_area, std:
     const Rim& r = rims[bodies.ids[i] - 1];
     const Piece& p = pieces[bodies.ids[i] - 1];
     if (p.area >= min_area && p.solidity() > 0.7 &&
-        r.beside_particles <= 0.4 * (r.free + r.beside_particles) && r.gradient > r.difference / edge_width)
+        r.beside_particles <= 0.4 * (r.free + r.beside_particles) && r.gradient > r.difference / kEdgeWidth)
       added[m.patches[i] - 1] = true;
   }
   join_mottled(m, odd, added);

@@ -6,6 +6,7 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/geometry/rank.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/bodies.h"
 #include "nodes/photograph/segment/color/min_cut.h"
 #include "nodes/photograph/segment/color/odd_bodies.h"
@@ -29,7 +30,7 @@ template <class Pair>
 void each_edge(const std::vector<std::int32_t>& raster, int width, int height, Pair&& on_pair) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       if (x + 1 < width) on_pair(raster[i], raster[i + 1]);
       if (y + 1 < height) on_pair(raster[i], raster[i + width]);
     }
@@ -42,7 +43,7 @@ void fill_pinholes(Mask& mask, int width, int height, double min_area) {
   std::vector<std::int32_t> around(gaps.count(), 0);  // −1: more than one part, or the border
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       if (gaps.ids[i] == 0) continue;
       auto& a = around[gaps.ids[i] - 1];
       if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) a = -1;
@@ -132,7 +133,7 @@ std::int64_t fill_holes(std::vector<std::int32_t>& labels, int width, int height
   std::vector<std::int32_t> owner(gaps.count(), 0);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       if (gaps.ids[i] == 0) continue;
       auto& o = owner[gaps.ids[i] - 1];
       if (x == 0 || y == 0 || x + 1 == width || y + 1 == height) {

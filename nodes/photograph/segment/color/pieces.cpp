@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::segment {
 
@@ -12,7 +13,7 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
   std::vector<std::vector<Vec2>> ends(n);  // corners of the first and last pixel of each row's run
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       const std::int32_t id = raster[i];
       if (id == 0) continue;
       Piece& p = pieces[id - 1];

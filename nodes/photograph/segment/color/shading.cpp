@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::segment {
 
 LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work) {
@@ -11,7 +13,7 @@ LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work)
   // The field is smooth, so compute it on a coarse grid.
   const int cell = std::max(1, std::max(m.width, m.height) / 64);
   LabImage grid{(m.width + cell - 1) / cell, (m.height + cell - 1) / cell, {}};
-  grid.pixels.assign(static_cast<std::size_t>(grid.width) * grid.height, Vec3f::Zero());
+  grid.pixels.assign(pixels_in(grid.width, grid.height), Vec3f::Zero());
   std::vector<float> count(grid.pixels.size(), 0);
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) {
@@ -27,8 +29,8 @@ LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work)
     for (int x = 0; x < m.width; ++x) {
       const float u = std::clamp((x + 0.5f) / cell - 0.5f, 0.0f, grid.width - 1.0f);
       const float v = std::clamp((y + 0.5f) / cell - 0.5f, 0.0f, grid.height - 1.0f);
-      const int i = std::min(static_cast<int>(u), std::max(0, grid.width - 2));
-      const int j = std::min(static_cast<int>(v), std::max(0, grid.height - 2));
+      const int i = std::min<int>(u, std::max(0, grid.width - 2));
+      const int j = std::min<int>(v, std::max(0, grid.height - 2));
       const int i1 = std::min(i + 1, grid.width - 1), j1 = std::min(j + 1, grid.height - 1);
       const float a = u - i, b = v - j;
       out.pixels[out.index(x, y)] =

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "nodes/common/geometry/disjoint_sets.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/neighbors.h"
 
 namespace terrazzo::segment {
@@ -48,13 +49,13 @@ std::vector<float> squared_distance(const std::vector<std::int32_t>& raster, int
     for (int x = b; x < static_cast<int>(e); ++x) {
       float d = border_is_outside ? 0 : 1e6f;
       for (int y = 0; y < height; ++y) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        const std::size_t i = pixel_at(x, y, width);
         d = y > 0 && raster[i] != raster[i - width] ? 1 : d + 1;
         down[i] = d * d;
       }
       d = border_is_outside ? 0 : 1e6f;
       for (int y = height - 1; y >= 0; --y) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        const std::size_t i = pixel_at(x, y, width);
         d = y + 1 < height && raster[i] != raster[i + width] ? 1 : d + 1;
         down[i] = std::min(down[i], d * d);
       }

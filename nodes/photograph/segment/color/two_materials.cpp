@@ -5,14 +5,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/common/geometry/components.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/candidates.h"
 
 namespace terrazzo::segment {
 namespace {
 
-constexpr double kExplained = 0.85;   // least share of the variance
-constexpr double kFewestPixels = 40;  // of a part
-constexpr double kLeastShare = 0.03;  // of a part in the particle
+constexpr double kLeastExplained = 0.85;  // least share of the variance
+constexpr double kFewestPixels = 40;      // of a part
+constexpr double kLeastShare = 0.03;      // of a part in the particle
 constexpr double kMostContact = 0.35;
 constexpr int kMajority = 5;  // pixels, side of the window that decides on each pixel
 
@@ -68,7 +69,7 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
   const double area = pixels.size();
   if (area < 2 * kFewestPixels) return {};
   const Groups groups = group(colors);
-  if (groups.explained < kExplained) return {};
+  if (groups.explained < kLeastExplained) return {};
   cv::Mat side(box.height, box.width, CV_32F, cv::Scalar(0)),
       inside(box.height, box.width, CV_8U, cv::Scalar(0));
   const auto place = [&](std::size_t i) {
@@ -83,17 +84,17 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
   double more = 0;
   for (const std::size_t i : pixels) more += votes.at<float>(place(i)) > 0;
   const float sign = more > area / 2 ? 1.0f : -1.0f;
-  std::vector<std::int32_t> smaller(static_cast<std::size_t>(box.area()), 0);
+  std::vector<std::int32_t> smaller(box.area(), 0);
   for (const std::size_t i : pixels) {
     const cv::Point p = place(i);
-    smaller[static_cast<std::size_t>(p.y) * box.width + p.x] = sign * votes.at<float>(p) < 0;
+    smaller[pixel_at(p.x, p.y, box.width)] = sign * votes.at<float>(p) < 0;
   }
   const Components components = connected_components(smaller, box.width, box.height, false);
   Parts parts(components.count());
   std::vector<double> outline(parts.size(), 0), contact(parts.size(), 0);
   for (const std::size_t i : pixels) {
     const cv::Point p = place(i);
-    const auto k = components.ids[static_cast<std::size_t>(p.y) * box.width + p.x];
+    const auto k = components.ids[pixel_at(p.x, p.y, box.width)];
     if (k == 0) continue;
     parts[k - 1].push_back(i);
     for (const cv::Point d : {cv::Point(1, 0), {-1, 0}, {0, 1}, {0, -1}}) {

@@ -2,16 +2,17 @@
 
 #include <algorithm>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/neighbors.h"
 
 namespace terrazzo::segment {
 namespace {
 
-constexpr int levels = 4096;
+constexpr int kLevels = 4096;
 
 std::vector<std::uint16_t> quantized(const std::vector<float>& relief) {
   const auto [low, high] = std::minmax_element(relief.begin(), relief.end());
-  const float base = *low, scale = *high > *low ? (levels - 1) / (*high - *low) : 0.0f;
+  const float base = *low, scale = *high > *low ? (kLevels - 1) / (*high - *low) : 0.0f;
   std::vector<std::uint16_t> q(relief.size());
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = static_cast<std::uint16_t>((relief[i] - base) * scale);
   return q;
@@ -23,7 +24,7 @@ std::vector<std::int32_t> minima(const std::vector<std::uint16_t>& q, int width,
   std::vector<std::uint8_t> seen(q.size(), 0);
   std::vector<int> plateau;
   std::int32_t count = 0;
-  for (int i = 0; i < static_cast<int>(q.size()); ++i) {
+  for (int i = 0; i < count_of(q); ++i) {
     if (seen[i]) continue;
     plateau.assign(1, i);
     seen[i] = 1;
@@ -47,14 +48,14 @@ std::vector<std::int32_t> minima(const std::vector<std::uint16_t>& q, int width,
 std::vector<std::int32_t> flood(const std::vector<std::uint16_t>& q, int width, int height,
                                 std::vector<std::int32_t> labels, const std::uint8_t* mask,
                                 const Work& work) {
-  std::vector<std::vector<int>> queue(levels);
-  for (int i = 0; i < static_cast<int>(q.size()); ++i) {
+  std::vector<std::vector<int>> queue(kLevels);
+  for (int i = 0; i < count_of(q); ++i) {
     if (labels[i] == 0) continue;
     bool edge = false;
     neighbors(i, width, height, [&](int j) { edge = edge || labels[j] == 0; });
     if (edge) queue[q[i]].push_back(i);
   }
-  for (int level = 0; level < levels; ++level) {
+  for (int level = 0; level < kLevels; ++level) {
     if (level % 64 == 0) work.check();
     for (std::size_t k = 0; k < queue[level].size(); ++k) {
       const int i = queue[level][k];

@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/texture/color_medians.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/outline/outline.h"
 
 namespace terrazzo::segment {
@@ -23,14 +24,13 @@ struct Sums {
 void add_fragments(const Image& image, const UndecidedPixels& undecided, std::size_t first, Profiles& out) {
   constexpr std::int64_t kLeast = 6;  // pixels
   const int W = image.width, H = image.height;
-  std::vector<std::int32_t> core(static_cast<std::size_t>(W) * H, 0);
+  std::vector<std::int32_t> core(pixels_in(W, H), 0);
   for (int y = 1; y + 1 < H; ++y)
     for (int x = 1; x + 1 < W; ++x) {
       bool all = true;
       for (int v = y - 1; v <= y + 1; ++v)
-        for (int u = x - 1; u <= x + 1; ++u)
-          all = all && undecided[first + static_cast<std::size_t>(v) * W + u];
-      core[static_cast<std::size_t>(y) * W + x] = all;
+        for (int u = x - 1; u <= x + 1; ++u) all = all && undecided[first + pixel_at(u, v, W)];
+      core[pixel_at(x, y, W)] = all;
     }
   const Components parts = connected_components(core, W, H, true);
   ColorMedians colors(std::vector<std::int64_t>(parts.sizes.begin(), parts.sizes.end()));
@@ -43,8 +43,8 @@ void add_fragments(const Image& image, const UndecidedPixels& undecided, std::si
       std::int32_t near = 0;
       for (int v = std::max(0, y - 1); v <= std::min(H - 1, y + 1); ++v)
         for (int u = std::max(0, x - 1); u <= std::min(W - 1, x + 1); ++u)
-          near = std::max(near, parts.ids[static_cast<std::size_t>(v) * W + u]);
-      if (near > 0) ++area[static_cast<std::size_t>(near) - 1];
+          near = std::max(near, parts.ids[pixel_at(u, v, W)]);
+      if (near > 0) ++area[near - 1];
     }
   for (std::size_t k = 0; k < area.size(); ++k)
     if (parts.sizes[k] >= kLeast)
@@ -71,10 +71,10 @@ struct SectionLabels {
 
   // More than one pixel inside.
   bool deep(int x, int y) const {
-    const std::int32_t id = ids[static_cast<std::size_t>(y) * width + x];
+    const std::int32_t id = ids[pixel_at(x, y, width)];
     for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v)
       for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u)
-        if (ids[static_cast<std::size_t>(v) * width + u] != id) return false;
+        if (ids[pixel_at(u, v, width)] != id) return false;
     return true;
   }
 };
@@ -91,7 +91,7 @@ std::vector<Sums> sum_pixels(const SectionLabels& section, const Image& image, s
   std::vector<Sums> sums(section.count);
   for (int y = 0; y < section.height; ++y)
     for (int x = 0; x < section.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * section.width + x;
+      const std::size_t i = pixel_at(x, y, section.width);
       if (section.ids[i] == 0) {
         if (!ignored.empty() && ignored[first + i]) continue;
         if (!undecided.empty() && undecided[first + i]) continue;
@@ -118,7 +118,7 @@ ColorMedians core_colors(const SectionLabels& section, const std::vector<Sums>& 
   ColorMedians colors(std::move(used));
   for (int y = 0; y < section.height; ++y)
     for (int x = 0; x < section.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * section.width + x;
+      const std::size_t i = pixel_at(x, y, section.width);
       if (section.ids[i] == 0) continue;
       const std::size_t k = section.ids[i] - section.low;
       if (sums[k].core_pixels == 0 || section.deep(x, y)) colors.add(k, image.pixels[first + i]);
@@ -157,7 +157,7 @@ class ProfilePlaces {
       work_.check();
       it->second = positions_->count(w, h);
     }
-    return static_cast<double>(it->second);
+    return it->second;
   }
 
   int width_, height_;
@@ -173,7 +173,7 @@ Profiles measure_profiles(const Image& image, const Labels& labels, const std::v
                           const IgnoredPixels& ignored, const UndecidedPixels& undecided, const Work& work) {
   const int W = labels.width, H = labels.height;
   const double s = labels.pixel_size;
-  const std::size_t section_size = static_cast<std::size_t>(W) * H;
+  const std::size_t section_size = pixels_in(W, H);
   Profiles out;
   out.sections = labels.sections;
   out.window = s * Vec2(W, H);

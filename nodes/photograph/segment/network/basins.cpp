@@ -23,7 +23,7 @@ float relief_at(const NetworkMaps& m, std::int32_t i) {
 class Basins {
  public:
   std::int32_t add(float summit) {
-    parent_.push_back(static_cast<std::int32_t>(parent_.size())), summit_.push_back(summit);
+    parent_.push_back(parent_.size()), summit_.push_back(summit);
     return parent_.back();
   }
   std::int32_t root(std::int32_t k) {
@@ -137,9 +137,7 @@ class Flood {
   Basins& basins() { return basins_; }
 
  private:
-  int level_of(std::int32_t i) const {
-    return std::clamp(static_cast<int>(relief_[i] * kLevels), 0, kLevels);
-  }
+  int level_of(std::int32_t i) const { return std::clamp<int>(relief_[i] * kLevels, 0, kLevels); }
 
   void queue_neighbors(std::int32_t i, int now) {
     neighbors(i, m_.width, m_.height, [&](std::int32_t j) {

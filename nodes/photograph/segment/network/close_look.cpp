@@ -5,6 +5,7 @@
 #include <cstring>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/model_pool.h"
 
 // The model's bytes, in the read-only data of the library.
@@ -83,8 +84,8 @@ Cutout enlarged(const Cutout& piece, const CloseUp& seen, const cv::Mat& logits,
   const double x = static_cast<double>(larger.width) / section.width,
                y = static_cast<double>(larger.height) / section.height;
   const auto scaled = [&](const cv::Rect& r) {
-    const cv::Point from(static_cast<int>(std::lround(r.x * x)), static_cast<int>(std::lround(r.y * y))),
-        to(static_cast<int>(std::lround(r.br().x * x)), static_cast<int>(std::lround(r.br().y * y)));
+    const cv::Point from(round_nearest(r.x * x), round_nearest(r.y * y)),
+        to(round_nearest(r.br().x * x), round_nearest(r.br().y * y));
     return cv::Rect(from, to);
   };
   const cv::Rect square = scaled(seen.square);

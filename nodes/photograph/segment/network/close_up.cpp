@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::segment {
 namespace {
 
@@ -11,8 +13,7 @@ cv::Rect square_around(const Cutout& region) {
   constexpr int kSmallest = 24;
   constexpr double kTimes = 2;
   const cv::Rect box = cv::boundingRect(region.mask) + region.box.tl();
-  const int side =
-      std::max(kSmallest, static_cast<int>(std::lround(kTimes * std::max(box.width, box.height))));
+  const int side = std::max(kSmallest, round_nearest(kTimes * std::max(box.width, box.height)));
   return {box.x + box.width / 2 - side / 2, box.y + box.height / 2 - side / 2, side, side};
 }
 

@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/neighbors.h"
 
 namespace terrazzo::segment {
@@ -23,7 +24,7 @@ class Filling {
 
   Filling(const std::vector<Instance>& instances, int width, int height, double min_area)
       : instances_(instances), width_(width), height_(height), min_area_(min_area) {
-    labels_.assign(static_cast<std::size_t>(width) * height, 0);
+    labels_.assign(pixels_in(width, height), 0);
     seen_.assign(labels_.size(), 0);
     placed_.assign(instances.size(), 0);
     given_up_.assign(labels_.size(), 0);

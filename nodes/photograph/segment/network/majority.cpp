@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::segment {
 
 std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int width, int height, int reach,
@@ -11,12 +13,12 @@ std::vector<std::int32_t> majority(const std::vector<std::int32_t>& labels, int 
     std::vector<std::int32_t> around;
     for (int y = b; y < static_cast<int>(e); ++y)
       for (int x = 0; x < width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        const std::size_t i = pixel_at(x, y, width);
         around.clear();
         bool mixed = false;
         for (int v = std::max(0, y - reach); v <= std::min(height - 1, y + reach); ++v)
           for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
-            around.push_back(labels[static_cast<std::size_t>(v) * width + u]);
+            around.push_back(labels[pixel_at(u, v, width)]);
             mixed = mixed || around.back() != labels[i];
           }
         if (!mixed) continue;

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/model_pool.h"
 
 // The model's bytes, in the read-only data of the library.
@@ -41,8 +42,8 @@ struct View {
   cv::Mat padded, maps[4];
 
   View(const cv::Mat& picture, double scale)
-      : width(std::max(1, static_cast<int>(std::lround(picture.cols * scale)))),
-        height(std::max(1, static_cast<int>(std::lround(picture.rows * scale)))),
+      : width(std::max(1, round_nearest(picture.cols * scale))),
+        height(std::max(1, round_nearest(picture.rows * scale))),
         mirrored(scale >= 1) {
     cv::Mat scaled = picture;
     if (width != picture.cols || height != picture.rows)
@@ -79,7 +80,7 @@ struct View {
     std::vector<float>* planes[4] = {&result.inside, &result.border, &result.distance, &result.not_material};
     for (int k = 0; k < 4; ++k) {
       const cv::Mat m = maps[k](cv::Rect(0, 0, width, height));
-      planes[k]->resize(static_cast<std::size_t>(w) * h);
+      planes[k]->resize(pixels_in(w, h));
       cv::Mat out(h, w, CV_32F, planes[k]->data());
       if (m.size() == out.size())
         m.copyTo(out);
@@ -138,7 +139,7 @@ std::vector<NetworkMaps> Network::operator()(const cv::Mat& picture, std::span<c
   std::vector<Tile> tiles;
   for (const double scale : scales) {
     views.emplace_back(picture, scale);
-    views.back().cut(static_cast<int>(views.size()) - 1, tiles);
+    views.back().cut(count_of(views) - 1, tiles);
   }
   // Large tiles first, so that no thread is left alone with one at the end.
   std::stable_sort(tiles.begin(), tiles.end(),

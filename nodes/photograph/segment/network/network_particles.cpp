@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/judge.h"
 
 namespace terrazzo::segment {
@@ -36,8 +37,8 @@ NetworkView::NetworkView(const Image& image, int section, double reduction, cons
   picture_ = encoded_section(image, section);
   if (reduction < 1)
     cv::resize(picture_, picture_,
-               cv::Size(std::max(1, static_cast<int>(std::lround(width_ * reduction))),
-                        std::max(1, static_cast<int>(std::lround(height_ * reduction)))),
+               cv::Size(std::max(1, round_nearest(width_ * reduction)),
+                        std::max(1, round_nearest(height_ * reduction))),
                0, 0, cv::INTER_AREA);
   // Below these widths the network would only see the mirrored margin, or too little around large particles.
   constexpr double kLeastHalf = 96, kLeastQuarter = 256;
@@ -76,7 +77,7 @@ std::size_t NetworkView::reduced_index(int x, int y) const {
 std::vector<float> NetworkView::not_material() const {
   const NetworkMaps& own = scales_.front().maps();
   if (reduction_ >= 1) return own.not_material;
-  std::vector<float> out(static_cast<std::size_t>(width_) * height_);
+  std::vector<float> out(pixels_in(width_, height_));
   cv::Mat enlarged(height_, width_, CV_32F, out.data());
   cv::resize(scales_.front().map(own.not_material), enlarged, enlarged.size(), 0, 0, cv::INTER_LINEAR);
   return out;
@@ -97,7 +98,7 @@ UndecidedPixels NetworkView::undecided(const std::vector<std::int32_t>& labels) 
   UndecidedPixels out(labels.size(), 0);
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width_ + x, seen = reduced_index(x, y);
+      const std::size_t i = pixel_at(x, y, width_), seen = reduced_index(x, y);
       if (labels[i] == 0)
         out[i] = std::any_of(scales_.begin(), scales_.end(),
                              [&](const ScaleView& view) { return view.maps().inside[seen] > kLikely; });
@@ -109,7 +110,7 @@ std::vector<std::int32_t> NetworkView::reduced(const std::vector<std::int32_t>& 
   std::vector<std::int32_t> out(picture_.total());
   for (int y = 0; y < picture_.rows; ++y)
     for (int x = 0; x < picture_.cols; ++x)
-      out[static_cast<std::size_t>(y) * picture_.cols + x] =
+      out[pixel_at(x, y, picture_.cols)] =
           labels[counterpart(y, picture_.rows, height_) * width_ + counterpart(x, picture_.cols, width_)];
   return out;
 }

@@ -5,6 +5,7 @@
 
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/neighbors.h"
 #include "nodes/photograph/segment/outline/coverage.h"
 
@@ -109,7 +110,7 @@ class Contacts {
     return s;
   }
 
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
+  std::size_t at(int x, int y) const { return pixel_at(x, y, width_); }
 
   int width_, height_;
   const std::vector<std::int32_t>& labels_;

@@ -5,25 +5,26 @@
 #include <numbers>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/split.h"
 
 namespace terrazzo::segment {
 namespace {
 
-constexpr float least_side = 0.002f;
+constexpr float kLeastSide = 0.002f;
 
 // Pixels within `reach` of the other side, by chessboard distance.
 std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width, int height, int reach) {
   std::vector<std::uint8_t> out(mask.size(), 0);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const std::size_t i = pixel_at(x, y, width);
       const bool right = x + 1 < width && mask[i] != mask[i + 1],
                  below = y + 1 < height && mask[i] != mask[i + width];
       if (!right && !below) continue;
       for (int v = std::max(0, y - reach + 1); v <= std::min(height - 1, y + reach); ++v)
         for (int u = std::max(0, x - reach + 1); u <= std::min(width - 1, x + reach); ++u)
-          out[static_cast<std::size_t>(v) * width + u] = 1;
+          out[pixel_at(u, v, width)] = 1;
     }
   return out;
 }
@@ -75,7 +76,7 @@ SideMean binder_mean(const LabImage& image, const std::vector<float>& pure, cons
 }  // namespace
 
 float sided(float share, bool inside) {
-  return inside ? std::clamp(share, 0.5f + least_side, 1.0f) : std::clamp(share, 0.0f, 0.5f - least_side);
+  return inside ? std::clamp(share, 0.5f + kLeastSide, 1.0f) : std::clamp(share, 0.0f, 0.5f - kLeastSide);
 }
 
 std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int width, int height,

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -56,7 +57,7 @@ std::int32_t fill_gaps(std::vector<std::int32_t>& labels, const Image& image, in
     const std::vector<std::int32_t> before = labels;
     for (int y = 0; y < size.height; ++y)
       for (int x = 0; x < size.width; ++x) {
-        const auto at = static_cast<std::size_t>(y) * size.width + x;
+        const auto at = pixel_at(x, y, size.width);
         if (before[at] > 0) continue;
         left = true;
         for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {

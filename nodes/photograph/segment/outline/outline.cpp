@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::segment {
 namespace {
 
@@ -17,12 +19,12 @@ class Contour {
   Contour(std::span<const std::int32_t> labels, std::span<const float> coverage, int width, int height,
           std::int32_t id, const Window& w)
       : left_(w.left - 1), top_(w.top - 1), columns_(w.right - w.left + 3), rows_(w.bottom - w.top + 3) {
-    value_.assign(static_cast<std::size_t>(columns_) * rows_, 0.0f);
+    value_.assign(pixels_in(columns_, rows_), 0.0f);
     for (int y = 0; y < rows_; ++y)
       for (int x = 0; x < columns_; ++x) {
         const int u = left_ + x, v = top_ + y;
         if (u < 0 || v < 0 || u >= width || v >= height) continue;
-        const std::size_t i = static_cast<std::size_t>(v) * width + u;
+        const std::size_t i = pixel_at(u, v, width);
         value_[at(x, y)] = labels[i] == id  ? std::max(coverage[i], 0.502f)
                            : labels[i] == 0 ? std::min(coverage[i], 0.498f)
                                             : 0.0f;
@@ -55,7 +57,7 @@ class Contour {
   }
 
  private:
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * columns_ + x; }
+  std::size_t at(int x, int y) const { return pixel_at(x, y, columns_); }
   bool in(int x, int y) const { return value_[at(x, y)] >= 0.5f; }
   std::int32_t right_of(int x, int y) const { return 2 * at(x, y); }
   std::int32_t down_of(int x, int y) const { return 2 * at(x, y) + 1; }
@@ -133,7 +135,7 @@ std::vector<LabelOutline> outlines(std::span<const std::int32_t> labels, std::sp
   std::vector<Window> windows(count);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const std::int32_t id = labels[static_cast<std::size_t>(y) * width + x];
+      const std::int32_t id = labels[pixel_at(x, y, width)];
       if (id < first || id >= first + count) continue;
       Window& w = windows[id - first];
       w.left = std::min(w.left, x);

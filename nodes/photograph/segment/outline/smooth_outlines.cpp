@@ -6,6 +6,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/network/candidates.h"
 #include "nodes/photograph/segment/outline/coverage.h"
 
@@ -55,7 +56,7 @@ class Outlines {
     const double sigma = most * std::clamp((raggedness(label, tight) - 0.08) / 0.07, 0.0, 1.0);
     if (sigma < 0.3) return {};
     Smoothed out;
-    out.box = grown(tight, static_cast<int>(std::ceil(3 * sigma)) + 2);
+    out.box = grown(tight, round_up(3 * sigma) + 2);
     cv::Mat mask(out.box.height, out.box.width, CV_32F);
     for (int y = 0; y < mask.rows; ++y)
       for (int x = 0; x < mask.cols; ++x)
@@ -104,7 +105,7 @@ class Outlines {
     return cv::Rect(r.x - by, r.y - by, r.width + 2 * by, r.height + 2 * by) &
            cv::Rect(0, 0, width_, height_);
   }
-  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
+  std::size_t at(int x, int y) const { return pixel_at(x, y, width_); }
 
   int width_, height_;
   const std::vector<std::int32_t>& labels_;

@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
 #include "nodes/common/texture/footprint.h"
+#include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/lab_image.h"
 #include "nodes/photograph/segment/color/split.h"
 #include "runtime/random.h"
@@ -26,7 +27,7 @@ enum Class { Binder = 0, Particle = 1, NotMaterial = 2 };
 cv::Mat features_of(const Image& image, int section, const Work& work) {
   const LabImage lab = lab_section(image, section, work);
   cv::setNumThreads(1);  // one thread per scale
-  cv::Mat out(static_cast<int>(lab.pixels.size()), kFeatures, CV_32F);
+  cv::Mat out(count_of(lab.pixels), kFeatures, CV_32F);
   const cv::Mat color(lab.height, lab.width, CV_32FC3, const_cast<Vec3f*>(lab.pixels.data()));
   work.parallel(kSigmas.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
@@ -96,7 +97,7 @@ ScribbleForest::ScribbleForest(const Image& image, int of_section, const Scribbl
       samples.emplace_back(pixels[k], cls);
     }
   }
-  cv::Mat x(static_cast<int>(samples.size()), kFeatures, CV_32F), answers(x.rows, 1, CV_32S);
+  cv::Mat x(count_of(samples), kFeatures, CV_32F), answers(x.rows, 1, CV_32S);
   for (int k = 0; k < x.rows; ++k) {
     features.row(static_cast<int>(samples[k].first)).copyTo(x.row(k));
     answers.at<int>(k) = samples[k].second;

@@ -148,7 +148,7 @@ Vec2 cut_center(const Outline& o, const std::vector<double>& angles) {
 }
 
 std::vector<double> knots(const Arc& arc, int spans) {
-  std::vector<double> k(static_cast<std::size_t>(spans) + 1);
+  std::vector<double> k(spans + 1);
   for (int i = 0; i <= spans; ++i) k[i] = static_cast<double>(i) / spans;
   std::vector<std::size_t> order;
   for (std::size_t i = 1; i + 1 < arc.points.size(); ++i)

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "nodes/shapes/shape_estimate/methods/morph_frame.h"
 #include "nodes/shapes/shape_estimate/subdivide.h"
@@ -145,11 +146,11 @@ Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, 
     }
     if (deviation < kDeviation || control == most) break;
     // Extrapolate to the number that would suffice if the deviation fell with its square.
-    control = std::clamp(static_cast<int>(control * std::sqrt(deviation / kDeviation)), control + 1, most);
+    control = std::clamp<int>(control * std::sqrt(deviation / kDeviation), control + 1, most);
   }
   int corners = 0;
   for (const auto& o : request.chosen) corners += o.corners;
-  out.smooth = corners < 3 * static_cast<int>(request.chosen.size());
+  out.smooth = corners < 3 * count_of(request.chosen);
   return out;
 }
 

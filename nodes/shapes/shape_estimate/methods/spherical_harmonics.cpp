@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/mesh/convex_hull.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/methods/arcs.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "runtime/random.h"
@@ -22,8 +23,7 @@ constexpr int kRays = 256;
 // P̄_n^m(x) √((2n+1)/4π (n−m)!/(n+m)!), without the Condon–Shortley phase, for all n ≥ m up to `terms`, by the
 // stable recurrence in n. Indexed [m][n].
 std::vector<std::vector<double>> legendre(int terms, double x) {
-  std::vector<std::vector<double>> p(static_cast<std::size_t>(terms) + 1,
-                                     std::vector<double>(static_cast<std::size_t>(terms) + 1, 0));
+  std::vector<std::vector<double>> p(terms + 1, std::vector<double>(static_cast<std::size_t>(terms) + 1, 0));
   const double s = std::sqrt(std::max(0.0, 1 - x * x));
   double sectoral = std::sqrt(1 / (4 * pi));
   for (int m = 0; m <= terms; ++m) {
@@ -62,7 +62,7 @@ std::vector<double> radii(const Outline& o, const Vec2& center) {
 
 ProfileSpectrum profile_spectrum(const std::vector<Outline>& profiles, int terms) {
   ProfileSpectrum out;
-  out.variance.assign(static_cast<std::size_t>(terms) + 1, 0);
+  out.variance.assign(terms + 1, 0);
   const double count = profiles.size();
   for (const Outline& o : profiles) {
     auto r = radii(o, cut_center(o, {0, pi / 2, pi, 3 * pi / 2}));
@@ -85,13 +85,13 @@ ProfileSpectrum profile_spectrum(const std::vector<Outline>& profiles, int terms
 
 std::vector<double> equator_weights(int m, int terms) {
   const auto p = legendre(terms, 0);
-  std::vector<double> w(static_cast<std::size_t>(terms) + 1, 0);
+  std::vector<double> w(terms + 1, 0);
   for (int n = m; n <= terms; ++n) w[n] = 2 * pi * p[m][n] * p[m][n];
   return w;
 }
 
 std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
-  const int terms = static_cast<int>(kappa.size()) - 1;
+  const int terms = count_of(kappa) - 1;
   std::vector<double> lambda(kappa.size(), 0);
   if (terms < 2) return lambda;
   // The system is upper triangular, but back substitution yields negative variances. Use Lawson and Hanson's
@@ -108,7 +108,7 @@ std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
     b(m - 2) = scale * kappa[m];
   }
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-  std::vector<char> free(static_cast<std::size_t>(n), 0);
+  std::vector<char> free(n, 0);
   for (int round = 0; round < 3 * n; ++round) {
     const Eigen::VectorXd gradient = a.transpose() * (b - a * x);
     int best = -1;
@@ -122,7 +122,7 @@ std::vector<double> harmonic_variances(const std::vector<double>& kappa) {
       std::vector<int> set;
       for (int k = 0; k < n; ++k)
         if (free[k]) set.push_back(k);
-      Eigen::MatrixXd part(n, static_cast<int>(set.size()));
+      Eigen::MatrixXd part(n, count_of(set));
       for (std::size_t k = 0; k < set.size(); ++k) part.col(static_cast<int>(k)) = a.col(set[k]);
       const Eigen::VectorXd y = part.colPivHouseholderQr().solve(b);
       double step = 1;

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/directions.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {
@@ -63,7 +64,7 @@ std::vector<Vec3> spread_directions(std::uint64_t seed, int count) {
   Random r(seed, 209);
   std::vector<Vec3> out;
   double apart = 1.7 * std::sqrt(4 * pi / count) / 2;
-  for (int tries = 0; static_cast<int>(out.size()) < count; ++tries) {
+  for (int tries = 0; count_of(out) < count; ++tries) {
     if (tries % 100 == 99) apart *= 0.93;
     const Vec3 d = random_direction(r);
     if (std::all_of(out.begin(), out.end(),

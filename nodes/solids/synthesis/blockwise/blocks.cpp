@@ -56,7 +56,7 @@ std::vector<T> crop(const TorusBox& box, const BlockRegion& region, const std::v
 
 }  // namespace
 
-TorusBox block_box(const SolidSettings& s) {
+TorusBox block_box(const SolidOptions& s) {
   const Vec3i at(s.block % s.blocks.x(), s.block / s.blocks.x() % s.blocks.y(),
                  s.block / s.blocks.x() / s.blocks.y());
   TorusBox box;
@@ -77,7 +77,7 @@ void find_similar_above(const WholeLevel& whole, std::vector<Pyramid>& pyramids,
 }
 
 // Crops the result to the block that the settings name, and measures its matches.
-void hand_over(BlockRegion&& region, const SolidSettings& s, SolidResult& out) {
+void hand_over(BlockRegion&& region, const SolidOptions& s, SolidResult& out) {
   const TorusBox box = block_box(s);
   out.size = box.size();
   out.origin = box.lo;
@@ -96,7 +96,7 @@ void hand_over(BlockRegion&& region, const SolidSettings& s, SolidResult& out) {
 }  // namespace
 
 BlockBase measure_base(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-                       std::vector<NeighborField> families, const SolidSettings& s, SolidResult& out,
+                       std::vector<NeighborField> families, const SolidOptions& s, SolidResult& out,
                        const Work& work) {
   const std::vector<int> iterations = iterations_of(s, out.levels);
   BlockBase base{{whole_level(s, out.levels), std::move(families), std::move(out.field)}, {}};
@@ -109,7 +109,7 @@ BlockBase measure_base(const std::vector<SolidExemplar>& working, std::vector<Py
 }
 
 void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-                const BlockBase& base, const SolidSettings& s, BlockGl* gl, SolidResult& out,
+                const BlockBase& base, const SolidOptions& s, BlockGl* gl, SolidResult& out,
                 const Work& work) {
   const std::vector<int> iterations = iterations_of(s, out.levels);
   find_similar_above(base.whole, pyramids, work);
@@ -119,7 +119,7 @@ void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&
 }
 
 void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
-                std::vector<NeighborField> families, const SolidSettings& s, BlockGl* gl, SolidResult& out,
+                std::vector<NeighborField> families, const SolidOptions& s, BlockGl* gl, SolidResult& out,
                 const Work& work) {
   const std::vector<int> iterations = iterations_of(s, out.levels);
   WholeLevel whole{whole_level(s, out.levels), std::move(families), std::move(out.field)};

@@ -8,7 +8,7 @@
 namespace terrazzo::solids {
 
 // The block that the settings name. It is closed along axes that are not cut.
-TorusBox block_box(const SolidSettings&);
+TorusBox block_box(const SolidOptions&);
 
 // The data shared by all blocks of a blockwise solid.
 struct BlockBase {
@@ -20,13 +20,13 @@ struct BlockBase {
 // measure_base makes the shared base only; make_block makes a block and its measures. A block does not depend
 // on how the solid is cut.
 BlockBase measure_base(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&,
-                       std::vector<NeighborField> families, const SolidSettings&, SolidResult& out,
+                       std::vector<NeighborField> families, const SolidOptions&, SolidResult& out,
                        const Work&);
 void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&, const BlockBase&,
-                const SolidSettings&, BlockGl*, SolidResult& out, const Work&);
+                const SolidOptions&, BlockGl*, SolidResult& out, const Work&);
 // Both steps together.
 void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&,
-                std::vector<NeighborField> families, const SolidSettings&, BlockGl*, SolidResult& out,
+                std::vector<NeighborField> families, const SolidOptions&, BlockGl*, SolidResult& out,
                 const Work&);
 
 }  // namespace terrazzo::solids

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/whole/finish.h"
 #include "nodes/solids/synthesis/whole/levels.h"
 
@@ -15,8 +16,7 @@ struct Strides {
   std::array<std::size_t, 3> step;
   Vec3i from;
   explicit Strides(const BlockRegion& r)
-      : step{1, static_cast<std::size_t>(r.field.size.x()),
-             static_cast<std::size_t>(r.field.size.x()) * r.field.size.y()},
+      : step{1, static_cast<std::size_t>(r.field.size.x()), pixels_in(r.field.size.x(), r.field.size.y())},
         from(r.lines[0].from, r.lines[1].from, r.lines[2].from) {}
   std::size_t of(const Vec3i& at) const {
     std::size_t i = 0;
@@ -31,7 +31,7 @@ void split_slice(const BlockRegion& region, int channel, int axis, int slice, co
   const Strides strides(region);
   const int u = kSliceColumns[axis], v = kSliceRows[axis];
   const int w = box.hi[u] - box.lo[u] + 2 * kFinishReach, h = box.hi[v] - box.lo[v] + 2 * kFinishReach;
-  bands.picture.resize(static_cast<std::size_t>(w) * h);
+  bands.picture.resize(pixels_in(w, h));
   Vec3i at;
   at[axis] = slice;
   at[u] = box.lo[u] - kFinishReach;
@@ -39,8 +39,7 @@ void split_slice(const BlockRegion& region, int channel, int axis, int slice, co
   const float* first = &region.field.channel[channel][strides.of(at)];
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
-      bands.picture[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x] =
-          first[y * strides.step[v] + x * strides.step[u]];
+      bands.picture[pixel_at(x, y, w)] = first[y * strides.step[v] + x * strides.step[u]];
   bands.split(w, h);
 }
 
@@ -57,8 +56,7 @@ std::vector<ValueMap> band_maps(const std::vector<Quantiles>& wanted, int channe
     for (std::size_t s = begin; s < end; ++s) {
       split_slice(region, channel, axis, measured.lo[axis] + static_cast<int>(s), measured, bands);
       for (std::size_t b = 0; b < kFinishBands; ++b)
-        std::copy(bands.band[b].begin(), bands.band[b].end(),
-                  seen[b].begin() + static_cast<std::ptrdiff_t>(s * each));
+        std::copy(bands.band[b].begin(), bands.band[b].end(), seen[b].begin() + (s * each));
     }
   });
   std::array<std::optional<ValueMap>, kFinishBands> fixed;

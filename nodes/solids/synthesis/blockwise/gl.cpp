@@ -10,6 +10,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/gl/gl_program.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/matching/weights.h"
 
 namespace terrazzo::solids {
@@ -65,11 +66,10 @@ struct BlockGl::Gl {
     for (int z = 0; z < size.z(); z += batch) {
       work.check();
       go(z, std::min(z + batch, size.z()));
-      DispatchCompute(static_cast<GLuint>((size.x() + kGroup - 1) / kGroup),
-                      static_cast<GLuint>((size.y() + kGroup - 1) / kGroup),
-                      static_cast<GLuint>(std::min(batch, size.z() - z)));
+      DispatchCompute((size.x() + kGroup - 1) / kGroup, (size.y() + kGroup - 1) / kGroup,
+                      std::min(batch, size.z() - z));
       if (software) Finish();
-      work.progress(static_cast<double>(z) / size.z());
+      work.done(z, size.z());
     }
     MemoryBarrier(GL_ALL_BARRIER_BITS);
     check();
@@ -108,7 +108,7 @@ struct BlockGl::Buffer {
           .parameter("device");
     bytes = n;
     gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
-    gl.BufferData(GL_SHADER_STORAGE_BUFFER, static_cast<GLsizeiptr>(n), data, GL_DYNAMIC_COPY);
+    gl.BufferData(GL_SHADER_STORAGE_BUFFER, n, data, GL_DYNAMIC_COPY);
     gl.check();
   }
   template <class Vector>
@@ -118,21 +118,18 @@ struct BlockGl::Buffer {
   template <class T>
   void write(std::size_t at, const std::vector<T>& v) const {
     gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
-    gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, static_cast<GLintptr>(at),
-                     static_cast<GLsizeiptr>(v.size() * sizeof(T)), v.data());
+    gl.BufferSubData(GL_SHADER_STORAGE_BUFFER, at, v.size() * sizeof(T), v.data());
   }
   template <class T>
   void read(std::size_t at, std::vector<T>& v) const {
     gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
-    gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, static_cast<GLintptr>(at),
-                        static_cast<GLsizeiptr>(v.size() * sizeof(T)), v.data());
+    gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, at, v.size() * sizeof(T), v.data());
   }
   void bind(unsigned to) const { gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, to, name); }
   void copy(std::size_t from, const Buffer& to, std::size_t at, std::size_t n) const {
     gl.BindBuffer(GL_COPY_READ_BUFFER, name);
     gl.BindBuffer(GL_COPY_WRITE_BUFFER, to.name);
-    gl.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, static_cast<GLintptr>(from),
-                         static_cast<GLintptr>(at), static_cast<GLsizeiptr>(n));
+    gl.CopyBufferSubData(GL_COPY_READ_BUFFER, GL_COPY_WRITE_BUFFER, from, at, n);
   }
 };
 
@@ -144,7 +141,7 @@ struct BlockGl::LineTables {
   explicit LineTables(const TorusLines& lines) {
     for (std::size_t a = 0; a < 3; ++a) {
       const TorusLine& l = lines[a];
-      const auto here = [&] { return static_cast<int>(numbers.size()); };
+      const auto here = [&] { return count_of(numbers); };
       starts[a] = here();
       numbers.insert(numbers.end(), l.start.begin(), l.start.end());
       covers[a] = here();
@@ -267,7 +264,7 @@ void BlockGl::Run::upload_exemplars() {
   for (std::size_t e = 0; e < passes_.exemplars.size(); ++e) {
     const ExemplarLevel& exemplar = *passes_.exemplars[e];
     exemplars_.emplace_back(gl_, exemplar, passes_.statistics.penalty[e]);
-    first_texel_.push_back(static_cast<int>(all.size() / 4));
+    first_texel_.push_back(all.size() / 4);
     all.insert(all.end(), exemplar.texels.begin(), exemplar.texels.end());
   }
   texels_.fill(all);
@@ -342,7 +339,7 @@ void BlockGl::Run::blend_patches(std::size_t i, const Vec3i& first, const Vec3i&
   texels_.bind(5);
   gl_.set("channels", static_cast<int>(channels_));
   gl_.set("voxels", static_cast<int>(voxels_));
-  gl_.set("families", static_cast<int>(region_.families.size()));
+  gl_.set("families", count_of(region_.families));
   gl_.set("size", region_.field.size);
   gl_.set("window", passes_.windows[i]);
   for (std::size_t k = 0; k < region_.families.size(); ++k) {

@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/texture/band_statistics.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::solids {
 TorusBox box_below(const TorusBox& part, const Vec3i& level, const Vec3i& below) {
@@ -30,7 +31,7 @@ TorusBox box_below(const TorusBox& part, const Vec3i& level, const Vec3i& below)
 }
 
 BlockLevels::BlockLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>& pyramids,
-                         const SolidSettings& s, const std::vector<int>& iterations, int channels,
+                         const SolidOptions& s, const std::vector<int>& iterations, int channels,
                          const WholeLevel& whole, BlockGl* gl)
     : gl_(gl),
       working_(working),
@@ -38,7 +39,7 @@ BlockLevels::BlockLevels(const std::vector<SolidExemplar>& working, const std::v
       settings_(s),
       iterations_(iterations),
       whole_(whole),
-      levels_(static_cast<int>(iterations.size())),
+      levels_(count_of(iterations)),
       channels_(channels),
       statistics_(iterations.size()) {
   for (const auto& e : working) bands_.push_back(finest_bands(e, channels_));
@@ -87,7 +88,7 @@ BlockLevels::Below BlockLevels::below(int level, const TorusBox& part, const Tor
     needed.lo = needed.lo.cwiseMin(there.lo);
     needed.hi = needed.hi.cwiseMax(there.hi);
   }
-  const LevelStatistics& s = statistics_[static_cast<std::size_t>(level) - 1];
+  const LevelStatistics& s = statistics_[level - 1];
   out.made = run(level - 1, needed, core ? Upto::Blend : Upto::Matches, s, nullptr, nullptr, nullptr, work);
   out.lines = out.made.lines;
   return out;
@@ -123,8 +124,7 @@ void BlockLevels::carry(int level, const Below& below, BlockRegion& region, cons
     const Pyramid& p = pyramids_[old.exemplar];
     region.families.push_back(block_family(region.lines, old.axis, old.exemplar));
     carry_matches(old, patches[kSliceColumns[axis]], patches[kSliceRows[axis]], slices[axis], number[axis],
-                  p[static_cast<std::size_t>(level) - 1], p[level], settings_.seed, region.families.back(),
-                  work);
+                  p[level - 1], p[level], settings_.seed, region.families.back(), work);
   }
 }
 
@@ -148,15 +148,14 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
     const TorusLine& l = region.lines[a];
     region.field.size[a] = l.to - l.from;
   }
-  region.field.channel.assign(static_cast<std::size_t>(channels_),
-                              std::vector<float>(voxels(region.field.size)));
+  region.field.channel.assign(channels_, std::vector<float>(voxels(region.field.size)));
   const LevelStatistics& known = measured ? *measured : fixed;
   std::vector<float> windows = {static_cast<float>(10 * settings_.window)};
   for (int i = 0; i < rounds; ++i) {
     const double fall = rounds > 1 ? static_cast<double>(i) / (rounds - 1) : 1;
-    windows.push_back(static_cast<float>(settings_.window * std::pow(10, 1 - fall)));
+    windows.push_back(settings_.window * std::pow(10, 1 - fall));
   }
-  SearchSettings search = search_settings(settings_);
+  SearchOptions search = search_settings(settings_);
   search.iteration = std::accumulate(iterations_.begin(), iterations_.begin() + level, 0);
   const BlockPasses passes{exemplars, known, plan, windows, search, (settings_.exponent - 2) / 2};
   std::vector<const std::vector<Vec3f>*> features;

@@ -28,7 +28,7 @@ class BlockLevels {
  public:
   // `iterations` has one entry per level. All arguments must outlive this object. If `gl` is set, it makes
   // the parts, except for the finish.
-  BlockLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidSettings&,
+  BlockLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidOptions&,
               const std::vector<int>& iterations, int channels, const WholeLevel&, BlockGl* gl = nullptr);
 
   // Fixes the statistics of all levels above the whole one. Call it once, before make(). If the probe is the
@@ -71,7 +71,7 @@ class BlockLevels {
   BlockGl* gl_;
   const std::vector<SolidExemplar>& working_;
   const std::vector<Pyramid>& pyramids_;
-  const SolidSettings& settings_;
+  const SolidOptions& settings_;
   const std::vector<int>& iterations_;
   const WholeLevel& whole_;
   int levels_, channels_;

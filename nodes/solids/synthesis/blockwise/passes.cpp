@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/blockwise/finish.h"
 #include "nodes/solids/synthesis/matching/weights.h"
 
@@ -25,7 +26,7 @@ void each_patch(const TorusLines& lines, const NeighborField& f, const TorusBox&
       for (int i = i0; i < i1; ++i)
         use((static_cast<std::size_t>(s - lines[axis].from) * static_cast<std::size_t>(f.rows) +
              static_cast<std::size_t>(j)) *
-                static_cast<std::size_t>(f.columns) +
+                f.columns +
             i);
 }
 
@@ -41,7 +42,7 @@ void weigh_box(const TorusLines& lines, const TorusBox& box, const WeightTable& 
       for (int j = rows[0]; j < rows[1]; ++j) {
         float* w = &f.weight[((s + static_cast<std::size_t>(box.lo[f.axis] - lines[axis].from)) *
                                   static_cast<std::size_t>(f.rows) +
-                              static_cast<std::size_t>(j)) *
+                              j) *
                              f.columns];
         for (int i = columns[0]; i < columns[1]; ++i) w[i] = table.of(w[i] * inverse);
       }
@@ -60,7 +61,7 @@ BlockPlan block_plan(const TorusBox& wanted, int iterations, int finish_rounds) 
 
 std::vector<float> values_in(const TorusBox& box, const BlockRegion& region, int channel) {
   std::vector<float> out;
-  out.reserve(static_cast<std::size_t>(box.size().cast<double>().prod()));
+  out.reserve(box.size().cast<double>().prod());
   const Vec3i& size = region.field.size;
   for (int z = box.lo.z(); z < box.hi.z(); ++z)
     for (int y = box.lo.y(); y < box.hi.y(); ++y) {
@@ -92,7 +93,7 @@ void measure_floors(BlockProbe& probe, const BlockRegion& region) {
       sum += f.weight[p];
       ++n;
     });
-    floors.push_back(static_cast<float>(std::max(sum / n, 1e-12)));
+    floors.push_back(std::max(sum / n, 1e-12));
   }
 }
 
@@ -124,12 +125,12 @@ void run_passes(const BlockPasses& passes, bool to_blend, BlockProbe* probe, Ble
                 const Work& work) {
   const WeightTable weights(passes.power);
   blend_pass(passes, 0, probe, nullptr, features, region, work.part(0, 0.1));
-  const int rounds = static_cast<int>(passes.plan.blend.size()) - 1;
+  const int rounds = count_of(passes.plan.blend) - 1;
   for (int i = 0; i < rounds; ++i) {
     const std::size_t k = i;
     const Work step = work.part(0.1 + 0.9 * i / rounds, 0.1 + 0.9 * (i + 1) / rounds);
     const TorusBox& box = passes.plan.blend[k + 1];
-    SearchSettings search = passes.search;
+    SearchOptions search = passes.search;
     search.iteration += i;
     search_locally(passes.exemplars, passes.statistics.penalty, box, search, region, step.part(0, 0.6));
     if (probe) measure_floors(*probe, region);

@@ -21,7 +21,7 @@ struct BlockPasses {
   const LevelStatistics& statistics;
   const BlockPlan& plan;
   const std::vector<float>& windows;  // of each blend's mean shift
-  SearchSettings search;              // of the first iteration
+  SearchOptions search;               // of the first iteration
   double power;                       // of weights
 };
 

@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/blockwise/level.h"
 
 namespace terrazzo::solids {
@@ -50,8 +51,7 @@ std::vector<std::vector<float>> penalties_of(const std::vector<const ExemplarLev
         }
     const double mean = std::max(all / exemplars[e]->starts.size(), 1e-9);
     out.emplace_back();
-    for (const double n : count)
-      out.back().push_back(static_cast<float>(1 + overuse * std::max(0.0, n / mean - 1)));
+    for (const double n : count) out.back().push_back(1 + overuse * std::max(0.0, n / mean - 1));
   }
   return out;
 }
@@ -62,12 +62,12 @@ std::vector<float> finer_penalties(const std::vector<float>& coarse, const Exemp
   std::vector<float> out(to.usable.size(), 1.0f);
   const auto place = [](int start, int width, int coarse_width) {
     const double p = (start + kPatch / 2.0) * coarse_width / width - kPatch / 2.0;
-    return std::clamp(static_cast<int>(std::floor(p + 0.5)), 0, coarse_width - kPatch);
+    return std::clamp(round_down(p + 0.5), 0, coarse_width - kPatch);
   };
   for (const auto start : to.starts) {
     const int x = place(static_cast<int>(start) % to.width, to.width, from.width),
               y = place(static_cast<int>(start) / to.width, to.height, from.height);
-    out[start] = coarse[static_cast<std::size_t>(y) * static_cast<std::size_t>(from.width) + x];
+    out[start] = coarse[pixel_at(x, y, from.width)];
   }
   return out;
 }

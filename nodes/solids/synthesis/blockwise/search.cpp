@@ -1,6 +1,7 @@
 #include "nodes/solids/synthesis/blockwise/search.h"
 
 #include "nodes/common/geometry/grid/slice_axes.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/matching/candidates.h"
 #include "runtime/random.h"
 
@@ -40,8 +41,7 @@ TERRAZZO_INLINE void search_body(const BlockTask& t) {
     const std::uint32_t row =
         mix32(static_cast<std::uint32_t>(wrapped(t.v.first + j, patches_around(t.v.period))) ^ t.place);
     for (int i = t.columns[0]; i < t.columns[1]; ++i) {
-      const std::size_t n =
-          t.slice * plane + static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) + i;
+      const std::size_t n = t.slice * plane + pixel_at(i, j, columns);
       const std::uint32_t* at = &t.f.at[n];
       const int u = t.u.start[i], v = t.v.start[j];
       const FourInts goes_on = {at[-1] + (u - t.u.start[i - 1]), at[1] + (u - t.u.start[i + 1]),
@@ -76,7 +76,7 @@ void search_plain(const BlockTask& t) { search_body(t); }
 void read_stored(const SolidField& field, int axis, int slice, std::vector<float>& out) {
   const int u = kSliceColumns[axis], v = kSliceRows[axis];
   const std::size_t step[3] = {1, static_cast<std::size_t>(field.size.x()),
-                               static_cast<std::size_t>(field.size.x()) * field.size.y()};
+                               pixels_in(field.size.x(), field.size.y())};
   const std::size_t channels = field.channel.size(), w = field.size[u], h = field.size[v];
   out.resize(w * h * channels);
   for (std::size_t c = 0; c < channels; ++c) {
@@ -89,14 +89,12 @@ void read_stored(const SolidField& field, int axis, int slice, std::vector<float
 }  // namespace
 
 std::uint32_t search_key(std::uint64_t seed, int iteration, int axis) {
-  return Random(seed, 0x5000 + static_cast<std::uint64_t>(iteration) * 3 + static_cast<std::uint64_t>(axis))
-      .bits();
+  return Random(seed, 0x5000 + static_cast<std::uint64_t>(iteration) * 3 + axis).bits();
 }
 
 NeighborField block_family(const TorusLines& lines, int axis, int exemplar) {
   NeighborField f;
-  const TorusLine &u = lines[kSliceColumns[static_cast<std::size_t>(axis)]],
-                  &v = lines[kSliceRows[static_cast<std::size_t>(axis)]], &s = lines[axis];
+  const TorusLine &u = lines[kSliceColumns[axis]], &v = lines[kSliceRows[axis]], &s = lines[axis];
   f.axis = axis;
   f.exemplar = exemplar;
   f.slices = s.to - s.from;
@@ -104,14 +102,14 @@ NeighborField block_family(const TorusLines& lines, int axis, int exemplar) {
   f.rows = v.patches();
   f.width = u.to - u.from;
   f.height = v.to - v.from;
-  f.at.resize(static_cast<std::size_t>(f.slices) * static_cast<std::size_t>(f.columns) * f.rows);
+  f.at.resize(static_cast<std::size_t>(f.slices) * f.columns * f.rows);
   f.weight.assign(f.at.size(), 1.0f);
   return f;
 }
 
 void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
                     const std::vector<std::vector<float>>& penalty, const TorusBox& box,
-                    const SearchSettings& settings, BlockRegion& region, const Work& work) {
+                    const SearchOptions& settings, BlockRegion& region, const Work& work) {
   static const bool avx2 = has_avx2();
   for (std::size_t k = 0; k < region.families.size(); ++k) {
     NeighborField& f = region.families[k];

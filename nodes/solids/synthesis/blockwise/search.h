@@ -33,8 +33,8 @@ NeighborField block_family(const TorusLines&, int axis, int exemplar);
 // The candidates are those of search_matches, with neighbors one to three patches away. Leaves squared
 // distances in the weights of those patches.
 void search_locally(const std::vector<const ExemplarLevel*>& exemplars,
-                    const std::vector<std::vector<float>>& penalty, const TorusBox& box,
-                    const SearchSettings&, BlockRegion&, const Work&);
+                    const std::vector<std::vector<float>>& penalty, const TorusBox& box, const SearchOptions&,
+                    BlockRegion&, const Work&);
 
 // Updates the copies beyond the ends of closed axes from their originals.
 void copy_beyond(const TorusLines&, NeighborField&, const Work&);

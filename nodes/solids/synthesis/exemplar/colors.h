@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
-#include "nodes/solids/synthesis/settings/settings.h"
+#include "nodes/solids/synthesis/options/solid_options.h"
 
 namespace terrazzo::solids {
 

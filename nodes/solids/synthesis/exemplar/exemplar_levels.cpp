@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::solids {
 namespace {
@@ -16,14 +17,14 @@ struct Footprint {
   std::vector<float> weight;
 };
 std::vector<Footprint> footprints(int from, int to) {
-  std::vector<Footprint> out(static_cast<std::size_t>(to));
+  std::vector<Footprint> out(to);
   const double step = static_cast<double>(from) / to;
   for (int i = 0; i < to; ++i) {
     const double lo = i * step, hi = (i + 1) * step;
     auto& f = out[i];
-    f.first = std::min(from - 1, static_cast<int>(lo + 1e-9));
+    f.first = std::min<int>(from - 1, lo + 1e-9);
     for (int k = f.first; k < from && k < hi - 1e-9; ++k)
-      f.weight.push_back(static_cast<float>((std::min<double>(hi, k + 1) - std::max<double>(lo, k)) / step));
+      f.weight.push_back((std::min<double>(hi, k + 1) - std::max<double>(lo, k)) / step);
   }
   return out;
 }
@@ -35,13 +36,11 @@ std::vector<T> shrink(const std::vector<T>& in, int w0, int h0, int w, int h, co
   for (int y = 0; y < h0; ++y)
     for (int x = 0; x < w; ++x)
       for (std::size_t k = 0; k < fx[x].weight.size(); ++k)
-        rows[static_cast<std::size_t>(y) * w + x] +=
-            fx[x].weight[k] * in[static_cast<std::size_t>(y) * w0 + fx[x].first + k];
-  std::vector<T> out(static_cast<std::size_t>(w) * h, zero);
+        rows[pixel_at(x, y, w)] += fx[x].weight[k] * in[static_cast<std::size_t>(y) * w0 + fx[x].first + k];
+  std::vector<T> out(pixels_in(w, h), zero);
   for (int y = 0; y < h; ++y)
     for (std::size_t k = 0; k < fy[y].weight.size(); ++k)
-      for (int x = 0; x < w; ++x)
-        out[static_cast<std::size_t>(y) * w + x] += fy[y].weight[k] * rows[(fy[y].first + k) * w + x];
+      for (int x = 0; x < w; ++x) out[pixel_at(x, y, w)] += fy[y].weight[k] * rows[(fy[y].first + k) * w + x];
   return out;
 }
 
@@ -66,7 +65,7 @@ SolidExemplar shrink(const SolidExemplar& e, int width, int height) {
 
 std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int channels, int guided, int levels,
                                            double share, int most, int most_last, const Work& work) {
-  std::vector<ExemplarLevel> out(static_cast<std::size_t>(levels));
+  std::vector<ExemplarLevel> out(levels);
   for (int l = levels - 1; l >= 0; --l) {
     work.check();
     ExemplarLevel& e = out[l];
@@ -91,13 +90,13 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
             bad[static_cast<std::size_t>(y + 1) * (w + 1) + x] +
             bad[static_cast<std::size_t>(y) * (w + 1) + x + 1] -
             bad[static_cast<std::size_t>(y) * (w + 1) + x] +
-            (!s.usable.empty() && !s.usable[static_cast<std::size_t>(y) * w + x]);
+            (!s.usable.empty() && !s.usable[pixel_at(x, y, w)]);
     const auto sum = [&](int x, int y) { return bad[static_cast<std::size_t>(y) * (w + 1) + x]; };
     for (int y = 0; y + kPatch <= h; ++y)
       for (int x = 0; x + kPatch <= w; ++x)
         if (sum(x + kPatch, y + kPatch) - sum(x, y + kPatch) - sum(x + kPatch, y) + sum(x, y) == 0) {
-          e.usable[static_cast<std::size_t>(y) * w + x] = 1;
-          e.starts.push_back(static_cast<std::uint32_t>(y * w + x));
+          e.usable[pixel_at(x, y, w)] = 1;
+          e.starts.push_back(y * w + x);
         }
     if (e.starts.size() < 16)
       throw Error(
@@ -105,7 +104,7 @@ std::vector<ExemplarLevel> exemplar_levels(const SolidExemplar& working, int cha
           fmt::format("the exemplar has only {2} usable patches of {3} × {4} at a scale of {0} × {1} pixels",
                       w, h, e.starts.size(), kPatch, kPatch),
           "use a larger exemplar, a mask that leaves more of it usable, or fewer levels");
-    e.space = principal_axes(e, share, full ? most_last : most);
+    e.space = patch_space(e, share, full ? most_last : most);
     measure_patches(e, work.quiet());
   }
   return out;

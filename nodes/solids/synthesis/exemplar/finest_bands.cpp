@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::solids {
 namespace {
 
@@ -21,14 +23,12 @@ void smooth(const std::vector<float>& in, int width, int height, int gap, std::v
             std::vector<float>& out) {
   const int w = width - 2 * kRadius * gap, h = height - 2 * kRadius * gap;
   row.resize(static_cast<std::size_t>(w) * height);
-  out.resize(static_cast<std::size_t>(w) * h);
+  out.resize(pixels_in(w, h));
   for (int y = 0; y < height; ++y)
-    for (int x = 0; x < w; ++x)
-      row[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x] =
-          smoothed(&in[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + x], gap);
+    for (int x = 0; x < w; ++x) row[pixel_at(x, y, w)] = smoothed(&in[pixel_at(x, y, width)], gap);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x;
+      const std::size_t i = pixel_at(x, y, w);
       out[i] = smoothed(&row[i], static_cast<std::ptrdiff_t>(w) * gap);
     }
 }
@@ -40,9 +40,9 @@ void FinestBands::split(int width, int height) {
   const int less = width - 2 * kRadius;
   smooth(once, less, height - 2 * kRadius, 2, rows_again, twice);
   const int w = width - 2 * kFinishReach, h = height - 2 * kFinishReach;
-  for (auto& b : band) b.resize(static_cast<std::size_t>(w) * h);
+  for (auto& b : band) b.resize(pixels_in(w, h));
   const auto at = [](const std::vector<float>& of, int wide, int x, int y) {
-    return of[static_cast<std::size_t>(y) * static_cast<std::size_t>(wide) + x];
+    return of[pixel_at(x, y, wide)];
   };
   std::size_t i = 0;
   for (int y = 0; y < h; ++y)
@@ -67,9 +67,8 @@ double finest_deviation(const SolidExemplar& e, int channels) {
     smooth(picture, e.width, e.height, 1, row, low);
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
-        const double d = picture[static_cast<std::size_t>(y + kRadius) * static_cast<std::size_t>(e.width) +
-                                 (x + kRadius)] -
-                         low[static_cast<std::size_t>(y) * static_cast<std::size_t>(w) + x];
+        const double d =
+            picture[static_cast<std::size_t>(y + kRadius) * e.width + (x + kRadius)] - low[pixel_at(x, y, w)];
         sum += d * d;
       }
   }

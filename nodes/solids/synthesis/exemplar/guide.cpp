@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::solids {
 namespace {
 
@@ -15,10 +17,10 @@ double threshold_of(const std::vector<SolidExemplar>& working) {
       if (e.usable.empty() || e.usable[i]) values.push_back(e.pixels[i][0]);
   if (values.empty()) return 0;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  cv::Mat bytes(1, static_cast<int>(values.size()), CV_8U);
+  cv::Mat bytes(1, count_of(values), CV_8U);
   const float from = *low, span = std::max(1e-6f, *high - *low);
   for (int i = 0; i < bytes.cols; ++i)
-    bytes.at<std::uint8_t>(i) = std::lround(255 * (values[static_cast<std::size_t>(i)] - from) / span);
+    bytes.at<std::uint8_t>(i) = std::lround(255 * (values[i] - from) / span);
   cv::Mat unused;
   return from + span * (cv::threshold(bytes, unused, 0, 1, cv::THRESH_BINARY | cv::THRESH_OTSU) + 0.5) / 255;
 }
@@ -42,7 +44,7 @@ void guide_by_phases(std::vector<SolidExemplar>& working, double weight, int rea
       // The border is half a pixel from the pixel's center.
       const float d =
           phase[0].data[i] ? distance[0].at<float>(y, x) - 0.5f : 0.5f - distance[1].at<float>(y, x);
-      e.guide[i] = std::clamp(d, static_cast<float>(-reach), static_cast<float>(reach));
+      e.guide[i] = std::clamp<float>(d, -reach, reach);
       sum += e.guide[i];
       square += static_cast<double>(e.guide[i]) * e.guide[i];
       ++count;

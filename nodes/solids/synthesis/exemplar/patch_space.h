@@ -40,7 +40,7 @@ struct ExemplarLevel {
 };
 
 // The axes that hold `share` of the patches' variance, at most `most`, computed from at most 6,000 patches.
-PatchSpace principal_axes(const ExemplarLevel&, double share, int most);
+PatchSpace patch_space(const ExemplarLevel&, double share, int most);
 // Coordinates of `count` patches that start at picture[step·i·channels], i = 0 …; rows are `pitch` floats
 // apart.
 void project(const PatchSpace&, const float* picture, std::size_t pitch, int step, int count, float* out);

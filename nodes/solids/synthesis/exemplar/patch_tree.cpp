@@ -9,7 +9,7 @@ PatchTree::PatchTree(const float* points, int dims, std::vector<std::uint32_t> i
 
 // Splits at the median along the axis of the widest spread.
 void PatchTree::build(std::size_t first, std::size_t last) {
-  constexpr std::size_t leaf = 8;
+  constexpr std::size_t kLeaf = 8;
   const std::size_t at = nodes_.size();
   nodes_.emplace_back();
   nodes_[at].first = first;
@@ -17,7 +17,7 @@ void PatchTree::build(std::size_t first, std::size_t last) {
   const auto value = [&](std::uint32_t item, int d) {
     return points_[static_cast<std::size_t>(item) * static_cast<std::size_t>(dims_) + d];
   };
-  if (last - first <= leaf) return;
+  if (last - first <= kLeaf) return;
   int axis = 0;
   float widest = 0;
   const std::size_t step = std::max<std::size_t>(1, (last - first) / 256);  // sample the spread

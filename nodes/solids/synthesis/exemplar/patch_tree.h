@@ -68,7 +68,7 @@ class PatchTree {
     const std::size_t left = at + 1, right = n.right;
     descend(s, d < 0 ? left : right, bound);
     if (s.leaves <= 0) return;
-    float& old = s.offset[static_cast<std::size_t>(n.axis)];
+    float& old = s.offset[n.axis];
     const float kept = old, further = bound - kept * kept + d * d;
     if (s.hits.size() == s.k && further * s.slack >= s.hits.back().distance2) return;
     old = d;

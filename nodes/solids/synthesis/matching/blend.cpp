@@ -95,16 +95,15 @@ TERRAZZO_INLINE void gather_even(const RowTask& t, const NeighborField& f, const
   // The same patches cover both voxels: their texels are adjacent.
   const bool beside = pair.along && c0.patch[0] == c1.patch[0] && c0.offset[0] + 1 == c1.offset[0];
   for (int b = 0; b < cv.count; ++b, ++s.groups) {
-    const std::size_t row = cv.patch[static_cast<std::size_t>(b)];
+    const std::size_t row = cv.patch[b];
     const std::size_t p0 = (pair.slice0 + row) * f.columns + c0.patch[0],
                       p1 = (pair.slice1 + row) * f.columns + c1.patch[0];
-    const std::uint32_t down = cv.offset[static_cast<std::size_t>(b)] * e.width;
+    const std::uint32_t down = cv.offset[b] * e.width;
     const FourInts s0 = *reinterpret_cast<const FourInts*>(&f.at[p0]) + in0 + down,
                    s1 = *reinterpret_cast<const FourInts*>(&f.at[p1]) + in1 + down;
     const Four w0 = *reinterpret_cast<const Four*>(&f.weight[p0]),
                w1 = *reinterpret_cast<const Four*>(&f.weight[p1]);
-    const Eight w = __builtin_shufflevector(w0, w1, 0, 1, 2, 3, 4, 5, 6, 7) * inner *
-                    kInner[cv.offset[static_cast<std::size_t>(b)]];
+    const Eight w = __builtin_shufflevector(w0, w1, 0, 1, 2, 3, 4, 5, 6, 7) * inner * kInner[cv.offset[b]];
     const int at = 8 * s.groups;
     store8(s.weight + at, w);
     total += w;
@@ -296,7 +295,7 @@ void blend_plain(const RowTask& t) {
 }  // namespace
 
 void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
-                   const std::vector<NeighborField>& families, const BlendSettings& settings,
+                   const std::vector<NeighborField>& families, const BlendOptions& settings,
                    SolidField& field, BlendSources* sources,
                    const std::vector<const std::vector<Vec3f>*>* features, const Work& work) {
   const std::array<std::vector<PatchCover>, 3> cover = {
@@ -306,7 +305,7 @@ void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
 }
 
 void blend_patches(const std::vector<const ExemplarLevel*>& exemplars,
-                   const std::vector<NeighborField>& families, const BlendSettings& settings,
+                   const std::vector<NeighborField>& families, const BlendOptions& settings,
                    const BlendRange& range, SolidField& field, BlendSources* sources,
                    const std::vector<const std::vector<Vec3f>*>* features, const Work& work) {
   static const bool avx2 = has_avx2();

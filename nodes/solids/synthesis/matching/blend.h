@@ -9,7 +9,7 @@
 
 namespace terrazzo::solids {
 
-struct BlendSettings {
+struct BlendOptions {
   float window =
       0.1f;  // of the mean shift, in units of the exemplars' total standard deviation; 0: plain mean
 };
@@ -33,11 +33,11 @@ struct BlendRange {
 // dominant cluster (Wexler et al. 2007); its window falls from the texels' own spread to `window`. `sources`
 // and `features` may be null. `features` is indexed by exemplar and texel and may contain empty entries.
 void blend_patches(const std::vector<const ExemplarLevel*>& exemplars, const std::vector<NeighborField>&,
-                   const BlendSettings&, SolidField&, BlendSources* sources,
+                   const BlendOptions&, SolidField&, BlendSources* sources,
                    const std::vector<const std::vector<Vec3f>*>* features, const Work&);
 // The same for part of a field.
 void blend_patches(const std::vector<const ExemplarLevel*>& exemplars, const std::vector<NeighborField>&,
-                   const BlendSettings&, const BlendRange&, SolidField&, BlendSources* sources,
+                   const BlendOptions&, const BlendRange&, SolidField&, BlendSources* sources,
                    const std::vector<const std::vector<Vec3f>*>* features, const Work&);
 
 }  // namespace terrazzo::solids

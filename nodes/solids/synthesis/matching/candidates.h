@@ -75,7 +75,7 @@ struct Best {
   // Tries the patch (dx, dy) texels from c if there is one. The offset is less than a patch along one axis,
   // so that a step beyond a border ends where no patch can start.
   TERRAZZO_INLINE void shifted(std::uint32_t c, int dx, int dy) {
-    const auto s = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(c) + dy * e.width + dx);
+    const std::size_t s = static_cast<std::ptrdiff_t>(c) + dy * e.width + dx;
     if (s < e.usable.size() && e.usable[s]) consider(static_cast<std::uint32_t>(s));
   }
   TERRAZZO_INLINE void similar() {

@@ -17,13 +17,13 @@ struct PatchCover {
 constexpr int kMostCovering = 84;  // 3 planes of 5 × 5, each rounded up to whole groups of four
 
 inline std::vector<PatchCover> patch_covers(int size) {
-  std::vector<PatchCover> out(static_cast<std::size_t>(size));
+  std::vector<PatchCover> out(size);
   for (int p = 0; p < (size + 1) / 2; ++p)
     for (int o = 0; o < kPatch; ++o) {
       PatchCover& c = out[static_cast<std::size_t>((2 * p + o) % size)];
       if (c.count == 5) continue;
-      c.patch[static_cast<std::size_t>(c.count)] = p;
-      c.offset[static_cast<std::size_t>(c.count++)] = o;
+      c.patch[c.count] = p;
+      c.offset[c.count++] = o;
     }
   for (PatchCover& c : out) c.even = c.count == 4 && c.patch[3] - c.patch[0] == 3;
   return out;

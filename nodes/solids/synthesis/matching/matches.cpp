@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/matching/torus_box.h"
 #include "runtime/random.h"
 
@@ -39,7 +40,7 @@ int patch_below(int start, int period, int below, double& miss) {
   const int place = wrapped(start, period);
   const double by = static_cast<double>(below) / period;
   const double wanted = (place + kPatch / 2.0) * by - kPatch / 2.0;
-  const int i = static_cast<int>(std::floor(wanted / 2 + 0.5));
+  const int i = round_down(wanted / 2 + 0.5);
   miss = wanted - 2 * i;
   return i + floor_divide(start, period) * patches_around(below);
 }
@@ -47,8 +48,7 @@ int patch_below(int start, int period, int below, double& miss) {
 std::array<int, 2> slices_below(int slice, int period, int below) {
   const int place = wrapped(slice, period), turn = floor_divide(slice, period) * below;
   const double by = static_cast<double>(below) / period;
-  return {static_cast<int>(std::floor(place * by)) + turn,
-          static_cast<int>(std::floor((place + 1.0) * by)) + turn};
+  return {round_down(place * by) + turn, round_down((place + 1.0) * by) + turn};
 }
 
 void carry_matches(const NeighborField& old, const CarriedPatches& columns, const CarriedPatches& rows,
@@ -59,7 +59,7 @@ void carry_matches(const NeighborField& old, const CarriedPatches& columns, cons
                in_y = static_cast<double>(fine.height) / coarse.height;
   const auto place = [](double start, double miss, double scale, int size) {
     const double p = (start + miss + kPatch / 2.0) * scale - kPatch / 2.0;
-    return std::clamp(static_cast<int>(std::floor(p + 0.5)), 0, size - kPatch);
+    return std::clamp(round_down(p + 0.5), 0, size - kPatch);
   };
   work.parallel(f.slices, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)

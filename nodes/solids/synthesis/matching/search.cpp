@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/matching/candidates.h"
 #include "runtime/random.h"
 
@@ -22,7 +23,7 @@ class Usage {
   void add(std::uint32_t at) { count_[at].fetch_add(1, std::memory_order_relaxed); }
   void publish(float overuse, const std::vector<std::uint32_t>& starts) {
     for (const auto s : starts)
-      penalty_[s] = 1 + overuse * std::max(0.0f, static_cast<float>(count_[s].load() / mean_ - 1));
+      penalty_[s] = 1 + overuse * std::max<float>(0.0f, count_[s].load() / mean_ - 1);
   }
   const float* penalty() const { return penalty_.data(); }
 
@@ -37,7 +38,7 @@ struct SliceTask {
   NeighborField& f;
   const float* penalty;
   Usage& usage;
-  const SearchSettings& settings;
+  const SearchOptions& settings;
   int slice;
   const float* picture;  // from read_slice
   float* features;       // features of one row of patches
@@ -48,7 +49,7 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
   NeighborField& f = t.f;
   const int dims = e.space.dims;
   const std::size_t pitch = static_cast<std::size_t>(f.width + kPatch - 1) * e.channels;
-  const std::size_t plane = static_cast<std::size_t>(f.columns) * f.rows;
+  const std::size_t plane = pixels_in(f.columns, f.rows);
   std::uint32_t* at = &f.at[t.slice * plane];
   const std::uint32_t* below = &f.at[((t.slice + f.slices - 1) % f.slices) * plane];
   const std::uint32_t* above = &f.at[((t.slice + 1) % f.slices) * plane];
@@ -67,7 +68,7 @@ TERRAZZO_INLINE void search_body(const SliceTask& t) {
     project(e.space, t.picture + (2 * j) * pitch, pitch, 2, f.columns, t.features);
     for (int ii = 0; ii < f.columns; ++ii) {
       const int i = (first_i + (forwards ? ii : f.columns - 1 - ii)) % f.columns;
-      const std::size_t n = static_cast<std::size_t>(j) * static_cast<std::size_t>(f.columns) + i;
+      const std::size_t n = pixel_at(i, j, f.columns);
       const float* query = t.features + static_cast<std::ptrdiff_t>(i) * dims;
       const std::size_t row = static_cast<std::size_t>(j) * f.columns;
       const std::size_t left = row + (i > 0 ? i - 1 : f.columns - 1),
@@ -116,10 +117,10 @@ void read_slice(const SolidField& field, int axis, int slice, std::vector<float>
   const int u = kSliceColumns[axis], v = kSliceRows[axis];
   const int width = field.size[u], height = field.size[v];
   const std::size_t step[3] = {1, static_cast<std::size_t>(field.size.x()),
-                               static_cast<std::size_t>(field.size.x()) * field.size.y()};
+                               pixels_in(field.size.x(), field.size.y())};
   const std::size_t channels = field.channel.size();
   const int w = width + kPatch - 1, h = height + kPatch - 1;
-  out.resize(static_cast<std::size_t>(w) * h * channels);
+  out.resize(pixels_in(w, h) * channels);
   // Across x each voxel is in a cache line of its own.
   const std::size_t ahead = u == 0 ? 0 : 2 * step[v];
   for (std::size_t c = 0; c < channels; ++c) {
@@ -138,7 +139,7 @@ void read_slice(const SolidField& field, int axis, int slice, std::vector<float>
 }
 
 void search_matches(const SolidField& field, const std::vector<const ExemplarLevel*>& exemplars,
-                    std::vector<NeighborField>& families, const SearchSettings& settings, const Work& work) {
+                    std::vector<NeighborField>& families, const SearchOptions& settings, const Work& work) {
   static const bool avx2 = has_avx2();
   std::vector<Usage> usage;
   usage.reserve(exemplars.size());
@@ -152,15 +153,15 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
         for (const auto at : f.at) usage[e].add(at);
   }
   // Slices of one phase are never neighbors, so the slices that a slice reads are settled.
-  constexpr int phases = 8;
+  constexpr int kPhases = 8;
   struct Item {
     int family, slice;
   };
-  std::vector<std::vector<Item>> parts(phases + 1);
-  for (int k = 0; k < static_cast<int>(families.size()); ++k)
+  std::vector<std::vector<Item>> parts(kPhases + 1);
+  for (int k = 0; k < count_of(families); ++k)
     for (int s = 0; s < families[k].slices; ++s) {
-      const bool meets_first = s > 0 && s == families[k].slices - 1 && s % phases == 0;
-      parts[meets_first ? phases : s % phases].push_back({k, s});
+      const bool meets_first = s > 0 && s == families[k].slices - 1 && s % kPhases == 0;
+      parts[meets_first ? kPhases : s % kPhases].push_back({k, s});
     }
   for (std::size_t p = 0; p < parts.size(); ++p) {
     for (std::size_t e = 0; e < exemplars.size(); ++e)
@@ -178,7 +179,7 @@ void search_matches(const SolidField& field, const std::vector<const ExemplarLev
         avx2 ? search_avx2(task) : search_plain(task);
       }
     });
-    work.progress(static_cast<double>(p + 1) / parts.size());
+    work.done(p + 1, parts.size());
   }
 }
 

@@ -15,7 +15,7 @@ struct SolidField {
   std::vector<std::vector<float>> channel;
 };
 
-struct SearchSettings {
+struct SearchOptions {
   float overuse = 1;  // penalty on patches used more often than average
   float copying = 1;  // penalty on patches that copy the exemplar layout of all four neighbors
   bool exhaustive = false;
@@ -30,7 +30,7 @@ struct SearchSettings {
 // the four neighbors in its plane. Leaves squared distances in `weight`. The result has the same bits for any
 // number of threads.
 void search_matches(const SolidField&, const std::vector<const ExemplarLevel*>& exemplars,
-                    std::vector<NeighborField>&, const SearchSettings&, const Work&);
+                    std::vector<NeighborField>&, const SearchOptions&, const Work&);
 
 // Reads a slice, with its first 7 columns and rows repeated after the last, channels interleaved.
 void read_slice(const SolidField&, int axis, int slice, std::vector<float>& out);

@@ -6,6 +6,7 @@
 #include <array>
 #include <vector>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/linear.h"
 #include "nodes/solids/synthesis/matching/cover.h"
 
@@ -44,7 +45,7 @@ struct TorusLine {
 
   TorusLine() = default;
   TorusLine(const TorusBox&, int axis, int period);
-  int patches() const { return static_cast<int>(start.size()); }
+  int patches() const { return count_of(start); }
   // The patches that cover any of voxels lo … hi − 1 of a box within this line: the first, and one past the
   // last.
   std::array<int, 2> patches_over(const TorusBox&, int axis) const;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/exemplar/patch_tree.h"
 #include "nodes/solids/synthesis/matching/cover.h"
 #include "runtime/random.h"
@@ -20,9 +21,7 @@ struct Histogram {
   std::vector<float> lo, scale;              // per channel
   std::vector<std::array<float, kBins>> at;  // per channel
 
-  int bin(std::size_t c, float v) const {
-    return std::clamp(static_cast<int>((v - lo[c]) * scale[c]), 0, kBins - 1);
-  }
+  int bin(std::size_t c, float v) const { return std::clamp<int>((v - lo[c]) * scale[c], 0, kBins - 1); }
 };
 
 Histogram histogram_of(const ExemplarLevel& e) {
@@ -161,7 +160,7 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
                 (static_cast<std::size_t>(at[f.axis]) * static_cast<std::size_t>(f.rows) +
                  static_cast<std::size_t>(cv.patch[b])) *
                     static_cast<std::size_t>(f.columns) +
-                cu.patch[static_cast<std::size_t>(a)];
+                cu.patch[a];
             const std::size_t source =
                 f.at[patch] + static_cast<std::size_t>(cv.offset[b] * e.width + cu.offset[a]);
             Texel t{{0, 0, 0}, f.weight[patch]};
@@ -192,7 +191,7 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
 SolidField resample(const SolidField& in, const Vec3i& size, const Work& work) {
   SolidField out;
   out.size = size;
-  const std::size_t n = static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z();
+  const std::size_t n = voxels_in(size);
   for (const auto& from : in.channel) {
     std::vector<float> to(n);
     work.parallel(size.z(), 4, [&](std::size_t begin, std::size_t end) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nodes/solids/synthesis/settings/settings.h"
+#include "nodes/solids/synthesis/options/solid_options.h"
 #include "nodes/solids/synthesis/whole/result.h"
 
 namespace terrazzo::solids {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "nodes/solids/synthesis/settings/settings.h"
+#include "nodes/solids/synthesis/options/solid_options.h"
 #include "nodes/solids/synthesis/whole/result.h"
 
 namespace terrazzo::solids {
@@ -11,7 +11,7 @@ namespace terrazzo::solids {
 // Matches the high-pass and the three finest scales of bands on all slices of each constrained axis to the
 // exemplar's distribution (ResidualSynth's slice families), then matches the voxels to the exemplars' values.
 // Repeats this `finish` times.
-void finish_bands(const std::vector<SolidExemplar>& working, const SolidSettings&, SolidField&, const Work&);
+void finish_bands(const std::vector<SolidExemplar>& working, const SolidOptions&, SolidField&, const Work&);
 
 // Fraction of each plane's changes that is applied in a round with `planes` planes. Two of three planes see a
 // wave, so with three planes a mean would need more rounds.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "nodes/data/indices.h"
+
 namespace terrazzo::solids {
 
-std::size_t voxels(const Vec3i& size) {
-  return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * size.z();
-}
+std::size_t voxels(const Vec3i& size) { return voxels_in(size); }
 
 Vec3i box_at(const Vec3i& full, int level, int levels) {
   Vec3i s;
@@ -14,8 +14,8 @@ Vec3i box_at(const Vec3i& full, int level, int levels) {
   return s;
 }
 
-std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exemplars,
-                                    const SolidSettings& s, int channels) {
+std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>& exemplars, const SolidOptions& s,
+                                    int channels) {
   std::vector<Quantiles> out;
   for (int c = 0; c < channels; ++c) {
     std::vector<Quantiles> each;
@@ -44,31 +44,31 @@ std::vector<const ExemplarLevel*> level_of(const std::vector<Pyramid>& pyramids,
   return out;
 }
 
-int whole_level(const SolidSettings& s, int levels) {
+int whole_level(const SolidOptions& s, int levels) {
   if (s.method != SolidMethod::Blockwise) return levels - 1;
   int level = levels - 2;
   while (level > 0 && box_at(s.size, level, levels).cast<double>().prod() > s.blockwise_limits.whole) --level;
   return level;
 }
 
-SearchSettings search_settings(const SolidSettings& s) {
-  SearchSettings out;
+SearchOptions search_settings(const SolidOptions& s) {
+  SearchOptions out;
   out.overuse = s.overuse;
   out.copying = s.copying;
   out.seed = s.seed;
   return out;
 }
 
-int guided_levels(const SolidSettings& s, int levels) {
+int guided_levels(const SolidOptions& s, int levels) {
   return s.method == SolidMethod::Reference || s.guide <= 0 ? 0 : whole_level(s, levels) + 1;
 }
 
-std::vector<int> iterations_of(const SolidSettings& s, int levels) {
+std::vector<int> iterations_of(const SolidOptions& s, int levels) {
   std::vector<int> out;
   for (int l = 0; l < levels; ++l)
     out.push_back(l > whole_level(s, levels) && s.blockwise_iterations > 0
                       ? s.blockwise_iterations
-                      : s.iterations[std::min(static_cast<std::size_t>(l), s.iterations.size() - 1)]);
+                      : s.iterations[std::min<std::size_t>(l, s.iterations.size() - 1)]);
   return out;
 }
 

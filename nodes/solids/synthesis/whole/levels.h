@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "nodes/common/texture/quantiles.h"
-#include "nodes/solids/synthesis/settings/settings.h"
+#include "nodes/solids/synthesis/options/solid_options.h"
 #include "nodes/solids/synthesis/whole/result.h"
 
 namespace terrazzo::solids {
@@ -16,17 +16,17 @@ std::size_t voxels(const Vec3i& size);
 Vec3i box_at(const Vec3i& full, int level, int levels);
 std::vector<const ExemplarLevel*> level_of(const std::vector<Pyramid>&, int level);
 // Per channel, the values of all exemplars in use, weighted equally per plane, under usable patches only.
-std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>&, const SolidSettings&,
+std::vector<Quantiles> level_values(const std::vector<const ExemplarLevel*>&, const SolidOptions&,
                                     int channels);
 // The finest level that is made whole: the last one, unless the solid is blockwise.
-int whole_level(const SolidSettings&, int levels);
+int whole_level(const SolidOptions&, int levels);
 // Number of levels, counted from the coarsest, that use the guidance channel for matching. The courses of
 // lines are settled on levels that are made whole; blockwise levels match by color only, and so does the
 // reference method.
-int guided_levels(const SolidSettings&, int levels);
+int guided_levels(const SolidOptions&, int levels);
 // Search settings common to all levels.
-SearchSettings search_settings(const SolidSettings&);
+SearchOptions search_settings(const SolidOptions&);
 // Iterations per level.
-std::vector<int> iterations_of(const SolidSettings&, int levels);
+std::vector<int> iterations_of(const SolidOptions&, int levels);
 
 }  // namespace terrazzo::solids

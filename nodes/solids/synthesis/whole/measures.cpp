@@ -8,6 +8,7 @@
 #include "nodes/common/texture/slice_family.h"
 #include "nodes/common/texture/steerable_pyramid.h"
 #include "nodes/common/texture/texture_measures.h"
+#include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/exemplar/finest_bands.h"
 
 namespace terrazzo::solids {
@@ -24,8 +25,7 @@ Picture slice_picture(const SolidField& field, int axis, int slice) {
   at[axis] = slice;
   for (at[v] = 0; at[v] < p.height; ++at[v])
     for (at[u] = 0; at[u] < p.width; ++at[u]) {
-      const std::size_t i =
-          (static_cast<std::size_t>(at[2]) * field.size.y() + at[1]) * field.size.x() + at[0];
+      const std::size_t i = voxel_at(at[0], at[1], at[2], field.size);
       Vec3f c = Vec3f::Zero();
       for (std::size_t k = 0; k < field.channel.size(); ++k) c[k] = field.channel[k][i];
       p.pixels.push_back(c);
@@ -38,7 +38,7 @@ Picture part_of(const SolidExemplar& e, int x0, int y0, int x1, int y1) {
   p.width = x1 - x0;
   p.height = y1 - y0;
   for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) p.pixels.push_back(e.pixels[static_cast<std::size_t>(y) * e.width + x]);
+    for (int x = x0; x < x1; ++x) p.pixels.push_back(e.pixels[pixel_at(x, y, e.width)]);
   return p;
 }
 
@@ -47,7 +47,7 @@ Eigen::Array3d gradients(const Picture& p) {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for (int y = 0; y + 1 < p.height; ++y)
     for (int x = 0; x + 1 < p.width; ++x) {
-      const Vec3f* c = &p.pixels[static_cast<std::size_t>(y) * p.width + x];
+      const Vec3f* c = &p.pixels[pixel_at(x, y, p.width)];
       const Vec3f du = ((c[1] - c[0]) + (c[p.width + 1] - c[p.width])) / 2,
                   dv = ((c[p.width] - c[0]) + (c[p.width + 1] - c[1])) / 2;
       sum += Eigen::Array3d(du.squaredNorm(), dv.squaredNorm(), du.dot(dv));
@@ -116,7 +116,7 @@ void measure_all_bands(const BandStatistics& wanted, int scales, const SolidFiel
 void measure_finest(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
   const int channels = field.channel.size();
   const double want = finest_deviation(e, channels);
-  std::vector<double> of_slice(static_cast<std::size_t>(field.size[m.axis]));
+  std::vector<double> of_slice(field.size[m.axis]);
   work.parallel(of_slice.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       Picture p = slice_picture(field, m.axis, k);
@@ -144,8 +144,8 @@ double histogram_distance(const BandStatistics& wanted, const std::vector<Quanti
 
 }  // namespace
 
-void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettings& s,
-                    const SolidField& field, std::vector<PlaneMeasures>& out, const Work& work) {
+void measure_planes(const std::vector<SolidExemplar>& working, const SolidOptions& s, const SolidField& field,
+                    std::vector<PlaneMeasures>& out, const Work& work) {
   SliceFamily::Workspace space;
   std::vector<Quantiles> values(field.channel.size());
   work.quiet().parallel(values.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -166,7 +166,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
   };
   for (PlaneMeasures& m : out) {
     const int axis = m.axis;
-    const SolidExemplar& e = working[s.plane[static_cast<std::size_t>(axis)]];
+    const SolidExemplar& e = working[s.plane[axis]];
     Image image(e.width, e.height, 1, 1);
     image.pixels = e.pixels;
     const int scales = pyramid_scales(
@@ -184,7 +184,7 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettin
     // Of many slices every other one is enough. Sixteen are compared by their patches.
     const int n = field.size[axis], most = std::min(n, 16);
     const auto compared = [&](int k) { return k * most / n != (k + 1) * most / n; };
-    std::vector<Picture> slices(static_cast<std::size_t>(n));
+    std::vector<Picture> slices(n);
     std::vector<double> stripes(slices.size(), 1);
     work.quiet().parallel(slices.size(), 4, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -213,12 +213,12 @@ std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>& fami
     PlaneMeasures m;
     m.axis = f.axis;
     double all = 0;
-    const std::size_t plane = static_cast<std::size_t>(f.columns) * f.rows;
+    const std::size_t plane = pixels_in(f.columns, f.rows);
     for (int s = 0; s < f.slices; ++s) {
       std::size_t same = 0;
       for (int j = 0; j < f.rows; ++j)
         for (int i = 0; i + 1 < f.columns; ++i) {
-          const std::uint32_t* at = &f.at[s * plane + static_cast<std::size_t>(j) * f.columns + i];
+          const std::uint32_t* at = &f.at[s * plane + pixel_at(i, j, f.columns)];
           same += at[1] == at[0] + 2;
         }
       const double share = static_cast<double>(same) / (static_cast<double>(f.columns - 1) * f.rows);

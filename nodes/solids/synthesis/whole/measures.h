@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "nodes/solids/synthesis/settings/settings.h"
+#include "nodes/solids/synthesis/options/solid_options.h"
 #include "nodes/solids/synthesis/whole/result.h"
 
 namespace terrazzo::solids {
@@ -13,7 +13,7 @@ namespace terrazzo::solids {
 std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>&);
 // All other measures. `working` are the exemplars in the field's axes. A block has no seam, and only one
 // band: the first of finest_bands.
-void measure_planes(const std::vector<SolidExemplar>& working, const SolidSettings&, const SolidField&,
+void measure_planes(const std::vector<SolidExemplar>& working, const SolidOptions&, const SolidField&,
                     std::vector<PlaneMeasures>&, const Work&);
 // (λ₁ − λ₂)/(λ₁ + λ₂) of the structure tensor of a picture. 0: no direction; 1: stripes.
 double directedness(const SolidExemplar& working);

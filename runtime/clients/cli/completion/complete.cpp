@@ -119,7 +119,7 @@ int print_completions(const CLI::App& app, const Program& program, std::vector<s
     for (const auto& candidate : complete(app, program, words)) std::cout << candidate << '\n';
   } catch (...) {  // no candidates
   }
-  return done;
+  return kDone;
 }
 
 }  // namespace terrazzo::cli

@@ -29,7 +29,7 @@ void add_graph(CLI::App& app, const Program& program, int& exit_code) {
   command->callback([o, &program, &exit_code] {
     Session session(program.registry(), program.types());
     if (!open_graph(session, *o)) {
-      exit_code = wrong_usage;
+      exit_code = kWrongUsage;
       return;
     }
     const Graph& graph = *session.graph();
@@ -61,21 +61,21 @@ std::optional<NodeType> graph_as_type(const Program& program, const std::string&
 int nodes(const Program& program, const NodesCommand& o) {
   if (!o.out.empty()) {
     write_reference(program, o.out, o.examples, o.pictures, o);
-    return done;
+    return kDone;
   }
   std::vector<const NodeType*> types = program.registry().all();
   std::optional<NodeType> graph;
   if (const auto extension = std::filesystem::path(o.type).extension();
       extension == ".yaml" || extension == ".yml") {
     graph = graph_as_type(program, o.type);
-    if (!graph) return wrong_usage;
+    if (!graph) return kWrongUsage;
     types = {&*graph};
   } else if (!o.type.empty()) {
     const NodeType* t = program.registry().find(o.type);
     if (!t) {
       std::cerr << "error: there is no node type '" << o.type << "'"
                 << did_you_mean(o.type, program.registry().names()) << '\n';
-      return wrong_usage;
+      return kWrongUsage;
     }
     types = {t};
   }
@@ -91,7 +91,7 @@ int nodes(const Program& program, const NodesCommand& o) {
       for (const auto* t : district.types) std::cout << fmt::format("  {:<16} {}\n", t->name, t->doc);
     }
   }
-  return done;
+  return kDone;
 }
 
 }  // namespace

@@ -30,11 +30,11 @@ std::string manual_description() {
 }
 
 std::string manual_end() {
-  return ".SH EXIT STATUS\n" + entry(std::to_string(done), "The command is done.") +
-         entry(std::to_string(node_failed),
+  return ".SH EXIT STATUS\n" + entry(std::to_string(kDone), "The command is done.") +
+         entry(std::to_string(kNodeFailed),
                "A node failed, a file or the output could not be written, or the cache is damaged.") +
-         entry(std::to_string(wrong_usage), "The graph or the command line is wrong.") +
-         entry(std::to_string(interrupted), "The command was interrupted. Finished nodes are cached.") +
+         entry(std::to_string(kWrongUsage), "The graph or the command line is wrong.") +
+         entry(std::to_string(kInterrupted), "The command was interrupted. Finished nodes are cached.") +
          ".SH ENVIRONMENT\n" +
          entry("TERRAZZO_PLUGIN_PATH",
                "Plugins to load: a colon-separated list of files and of folders, whose *.so files are all "

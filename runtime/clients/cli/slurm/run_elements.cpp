@@ -45,7 +45,7 @@ std::optional<int> run_elements(Session& session, const GraphOptions& o, const S
   if (s.detach && !s.is_job()) {
     write_sweep_file(detachable.sweep_file, plans.front().file);
     submit_detached(job_role::coordinator, detachable, o, s);
-    return done;
+    return kDone;
   }
   for (std::size_t k = 0; k < plans.size(); ++k) {
     const SweepPoints& points = plans[k].file.points;
@@ -70,11 +70,11 @@ std::optional<int> run_elements(Session& session, const GraphOptions& o, const S
     });
     if (slurm->out_of_time()) {
       submit_detached(s.job_role, detachable, o, s);
-      return done;
+      return kDone;
     }
     if (*cancel) {
       std::cerr << "interrupted; rerun the same command to resume\n";
-      return interrupted;
+      return kInterrupted;
     }
     if (slurm->gave_up() || failed > 0) {
       std::cerr << fmt::format(
@@ -82,13 +82,13 @@ std::optional<int> run_elements(Session& session, const GraphOptions& o, const S
           "same "
           "command to resume\n",
           failed, points.size(), points.size() - finished.size());
-      return node_failed;
+      return kNodeFailed;
     }
   }
   require_same_files(plans.back().file, session.evaluator().hashes());
   if (s.coordinates()) {
     submit_detached(job_role::finisher, detachable, o, s);
-    return done;
+    return kDone;
   }
   return {};
 }

@@ -21,14 +21,14 @@ namespace terrazzo::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t digits = 12;  // of a hash in a job's name
+constexpr std::size_t kDigits = 12;  // of a hash in a job's name
 
 std::string folder_prefix(const fs::path& out) {
-  return "terrazzo-" + hash_of(fs::absolute(out).lexically_normal().string()).text().substr(0, digits) + "-";
+  return "terrazzo-" + hash_of(fs::absolute(out).lexically_normal().string()).text().substr(0, kDigits) + "-";
 }
 
 std::string job_name(const std::string& role, const fs::path& out, const Hash& plan) {
-  return folder_prefix(out) + role + "-" + plan.text().substr(0, digits);
+  return folder_prefix(out) + role + "-" + plan.text().substr(0, kDigits);
 }
 
 // The words of this process's command line, without the program.
@@ -119,7 +119,7 @@ std::optional<int> wait_for_detached(const DetachablePlan& plan, const GraphOpti
       const std::string id = job.task.id();
       if (waited.count(id) && job.task.state == "CANCELLED") {
         std::cerr << fmt::format("job {} was canceled from outside; rerun the same command to resume\n", id);
-        return node_failed;
+        return kNodeFailed;
       }
       if (!job.task.active() && !job.task.completing()) continue;
       if (!plan.hash.text().starts_with(job.plan))
@@ -130,7 +130,7 @@ std::optional<int> wait_for_detached(const DetachablePlan& plan, const GraphOpti
       if (waited.insert(id).second)
         std::cerr << fmt::format("note: job {} {}; see `terrazzo status {}`\n", id, what_it_does(job), o.out);
     }
-    if (active && s.detach) return done;
+    if (active && s.detach) return kDone;
     if (!active) break;
     const auto next = std::chrono::steady_clock::now() + std::chrono::duration<double>(s.poll);
     while (!*cancel && std::chrono::steady_clock::now() < next)
@@ -144,7 +144,7 @@ std::optional<int> wait_for_detached(const DetachablePlan& plan, const GraphOpti
         if (task.name.starts_with(prefix)) names.insert(task.name);
     for (const auto& name : names) slurm::cancel(name);
     std::cerr << "interrupted; canceled the jobs; rerun the same command to resume\n";
-    return interrupted;
+    return kInterrupted;
   }
   for (const char* role : {job_role::coordinator, job_role::finisher}) {  // no longer true
     std::error_code error;
@@ -184,9 +184,9 @@ int run_as_job(const GraphOptions& o, const SlurmOptions& s, const std::function
   log.write({{"event", "started"}});
   try {
     const int code = command();
-    if (code == done)
+    if (code == kDone)
       log.write({{"event", "finished"}, {"status", "done"}});
-    else if (code == interrupted)
+    else if (code == kInterrupted)
       log.write({{"event", "interrupted"}});
     else
       stopped(fmt::format("ended with exit code {}; log: {}", code,

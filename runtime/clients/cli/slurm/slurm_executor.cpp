@@ -22,8 +22,8 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 namespace {
 
-constexpr int attempts_allowed = 3;     // in a row without a new result
-constexpr double polls_until_gone = 6;  // network file systems show new files late
+constexpr int kAttemptsAllowed = 3;    // in a row without a new result
+constexpr double kPollsUntilGone = 6;  // network file systems show new files late
 
 class Coordinator : public SlurmExecutor {
  public:
@@ -142,7 +142,7 @@ class Coordinator : public SlurmExecutor {
 
   // Prepares to compute again what the cache has lost of the elements of a graph. False if it has all.
   bool forget_lost() {
-    if (sweep_.points.parts().empty() || times_lost_ == attempts_allowed) return false;
+    if (sweep_.points.parts().empty() || times_lost_ == kAttemptsAllowed) return false;
     std::size_t lost = 0;
     for (std::size_t i = 0; i < known_.size(); ++i) {
       if (!known_[i]) continue;
@@ -301,7 +301,7 @@ class Coordinator : public SlurmExecutor {
 
   bool gone(const SlurmJob& job) const {
     return job.gone_since &&
-           Clock::now() - *job.gone_since >= std::chrono::duration<double>(polls_until_gone * slurm_.poll);
+           Clock::now() - *job.gone_since >= std::chrono::duration<double>(kPollsUntilGone * slurm_.poll);
   }
 
   // Decides about a job that is gone. False: it is not to be submitted again.
@@ -312,7 +312,7 @@ class Coordinator : public SlurmExecutor {
     }
     job.attempts = progress ? 1 : job.attempts + 1;
     if (!job.task.node.empty()) ++failures_[job.task.node];
-    const bool give_up = job.attempts >= attempts_allowed;
+    const bool give_up = job.attempts >= kAttemptsAllowed;
     std::cerr << (give_up ? "error: " : "warning: ") << job.ending(jobs_folder(out_))
               << (give_up ? fmt::format(" ({} times in a row)", job.attempts) : "; submitting it again")
               << '\n';
@@ -334,13 +334,13 @@ class Coordinator : public SlurmExecutor {
     for (auto& chunk : chunks_) {
       if (!chunk.misses_shared || chunk.active) continue;
       chunk.misses_shared = false;
-      if (++chunk.times_without_shared > attempts_allowed) continue;  // its trouble; look_after() decides
+      if (++chunk.times_without_shared > kAttemptsAllowed) continue;  // its trouble; look_after() decides
       lost = true;
       chunk.submitted = false;
       chunk.gone_since.reset();
     }
     if (!lost || is_shared_in_cache()) return;
-    if (++shared_->attempts > attempts_allowed) {
+    if (++shared_->attempts > kAttemptsAllowed) {
       refused_ = "the cache does not keep what all points share";
       return;
     }

@@ -13,8 +13,8 @@ namespace terrazzo::cli {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr double seconds_per_chunk = 300;
-constexpr std::size_t chunks_if_unknown = 100;
+constexpr double kSecondsPerChunk = 300;
+constexpr std::size_t kChunksIfUnknown = 100;
 
 std::string absolute_folder(const fs::path& path) { return fs::absolute(path).lexically_normal().string(); }
 
@@ -83,8 +83,8 @@ std::size_t SlurmJobs::chunk_size(std::size_t points, double point_seconds) cons
                              largest);
   if (size == 0)
     size = point_seconds > 0
-               ? static_cast<std::size_t>(std::clamp(seconds_per_chunk / point_seconds, 1.0, 1e5))
-               : (points + chunks_if_unknown - 1) / chunks_if_unknown;
+               ? static_cast<std::size_t>(std::clamp(kSecondsPerChunk / point_seconds, 1.0, 1e5))
+               : (points + kChunksIfUnknown - 1) / kChunksIfUnknown;
   return std::clamp(size, smallest, points);
 }
 

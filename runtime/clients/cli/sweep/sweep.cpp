@@ -141,7 +141,7 @@ int sweep(const Program& program, SweepCommand& o) {
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
   Session session(nodes.registry, nodes.types, session_options(o));
   const auto plan = plan_sweep(program, session, o, std::move(all));
-  if (!plan) return wrong_usage;
+  if (!plan) return kWrongUsage;
   const SweepPoints& points = plan->file.points;
   const ProtectedFiles keep = files_to_keep(program, o, plan->file);
   const fs::path sweep_file = fs::path(o.out) / "sweep.json";
@@ -153,11 +153,11 @@ int sweep(const Program& program, SweepCommand& o) {
   if (o.plan) {
     std::cout << fmt::format("wrote {}: {} points, sweep {}\n", sweep_file.string(), points.size(),
                              hash.text());
-    return done;
+    return kDone;
   }
   if (o.slurm.detach && !o.slurm.is_job()) {
     submit_detached(job_role::coordinator, detachable, o, o.slurm);
-    return done;
+    return kDone;
   }
   const PointRun run{program,  session, o.graph, o.targets, o.out, std::max(1, threads(o) / o.jobs),
                      o.memory, hash,    keep,    true};
@@ -174,7 +174,7 @@ int sweep(const Program& program, SweepCommand& o) {
                [&](const SweepPoint& p, const json& report) { outcome.add(o, points.size(), p, report); });
   if (slurm && slurm->out_of_time()) {
     submit_detached(job_role::coordinator, detachable, o, o.slurm);
-    return done;
+    return kDone;
   }
   finish(session, o);
   // The workers leave collecting to this process.
@@ -184,16 +184,16 @@ int sweep(const Program& program, SweepCommand& o) {
   std::cout << "wrote " << (fs::path(o.out) / "sweep.csv").string() << '\n';
   if (outcome.cancelled || *cancel_on_interrupt()) {
     std::cerr << "interrupted; rerun the same command to resume\n";
-    return interrupted;
+    return kInterrupted;
   }
   if (slurm && slurm->gave_up()) {
     std::cerr << fmt::format("{} of {} points have no result; rerun the same command to resume\n",
                              points.size() - outcome.finished, points.size());
-    return node_failed;
+    return kNodeFailed;
   }
   std::sort(outcome.with_preview.begin(), outcome.with_preview.end());
   write_sweep_sheet(program, session, o, o.preview, points, outcome.with_preview);
-  return outcome.failed ? node_failed : done;
+  return outcome.failed ? kNodeFailed : kDone;
 }
 
 }  // namespace

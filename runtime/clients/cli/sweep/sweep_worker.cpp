@@ -87,7 +87,7 @@ class Worker {
       std::cerr << fmt::format("=== {} {}: {} computed, {} cached, {:.2f} s\n", point.folder, s.status,
                                s.computed, s.cached, s.seconds);
     }
-    return failed ? node_failed : done;
+    return failed ? kNodeFailed : kDone;
   }
 
   int run_shared() {
@@ -100,7 +100,7 @@ class Worker {
     for (const auto& e : s.errors) std::cerr << "error: " << e << '\n';
     write_text_atomically(shared_report(run_.out), keep_, json_text(report, 2) + "\n");  // before the event
     tell_finished(0, s);
-    return s.status == "done" ? done : node_failed;
+    return s.status == "done" ? kDone : kNodeFailed;
   }
 
   // Warns about what cost time but no results.
@@ -139,13 +139,13 @@ class Worker {
   int worker_without_shared() {
     log_.write({{"event", "missing"}});
     std::cerr << "stopped: the cache lacks what all points share\n";
-    return node_failed;
+    return kNodeFailed;
   }
 
   int interrupted_worker() {
     log_.write({{"event", "interrupted"}});
     std::cerr << "interrupted; finished points and nodes are kept\n";
-    return interrupted;
+    return kInterrupted;
   }
 
   void warn(const std::string& message) {

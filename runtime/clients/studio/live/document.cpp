@@ -26,8 +26,8 @@ std::shared_ptr<const std::string> shared(std::string text) {
 }
 
 void check(const std::string& text) {
-  if (text.size() > max_graph_bytes)
-    throw Error("too-large", fmt::format("the text has more than {} MiB", max_graph_bytes >> 20));
+  if (text.size() > kMaxGraphBytes)
+    throw Error("too-large", fmt::format("the text has more than {} MiB", kMaxGraphBytes >> 20));
   if (find_invalid_utf8(text) != std::string::npos) throw Error("not-utf8", "the text is not UTF-8");
 }
 
@@ -226,7 +226,7 @@ void Document::save_as(const fs::path& file, const std::string& text) {
 }
 
 bool Document::changed_on_disk() const {
-  const auto now = read_file(file_, max_graph_bytes);
+  const auto now = read_file(file_, kMaxGraphBytes);
   return !now || *now != disk_;
 }
 

@@ -113,7 +113,7 @@ std::optional<UnsavedCopy> UnsavedCopy::left_beside(const fs::path& file, const 
   for (const auto& path : copies_beside(file)) {
     auto copy = take(file, path, false);
     if (!copy) continue;
-    FileText read = read_input_file(path, max_graph_bytes);
+    FileText read = read_input_file(path, kMaxGraphBytes);
     if (!read || find_invalid_utf8(read.text) != std::string::npos) continue;
     if (read.text.empty() || read.text == saved) {
       copy->remove();

@@ -160,7 +160,7 @@ void BrushQueue::refresh() {
   shown_ = painting_.picture();
   touched_ = {};
   strokes_ = painting_.strokes();
-  const NibChoice* choice = painting_.choice();
+  const NibOptions* choice = painting_.choice();
   if (!choice) return;
   const auto region =
       texture_nib::pixels_of(texture_nib::region_mask(choice->region, shown_.width, shown_.height));

@@ -45,7 +45,7 @@ int paint(const PaintOptions& o) {
             << save.path().string() << ". Press Ctrl-C to stop.\n";
   serve_until(
       *cancel, [&] { server.serve(); }, [&] { server.stop(); });
-  return cli::done;  // Ctrl-C is the normal way to stop
+  return cli::kDone;  // Ctrl-C is the normal way to stop
 }
 
 }  // namespace terrazzo::studio

@@ -37,8 +37,8 @@ std::string bytes_of(const Image& image, const Rectangle& r) {
   return out;
 }
 
-NibChoice choice_of(const json& j) {
-  NibChoice c;
+NibOptions choice_of(const json& j) {
+  NibOptions c;
   c.region = j.at("region").get<std::vector<double>>();
   c.levels = j.value("levels", c.levels);
   c.extent = j.value("extent", c.extent);
@@ -78,7 +78,7 @@ struct PaintServer::Impl {
   json state() const {
     const Image& p = painting.picture();
     json nib = nullptr;
-    if (const NibChoice* c = painting.choice())
+    if (const NibOptions* c = painting.choice())
       nib = {{"region", c->region},
              {"levels", c->levels},
              {"extent", c->extent},
@@ -154,7 +154,7 @@ struct PaintServer::Impl {
              }));
     http.Post("/api/nib", handler([this, answer_state](const httplib::Request& in, const json& body,
                                                        httplib::Response& out) {
-                const NibChoice choice = choice_of(body);
+                const NibOptions choice = choice_of(body);
                 queue.change([&] { painting.choose(choice, work()); });
                 answer_state(in, body, out);
               }));

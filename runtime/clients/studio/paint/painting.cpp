@@ -43,7 +43,7 @@ std::size_t Painting::strokes() const {
 }
 
 texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
-  const NibChoice& c = layer.choice;
+  const NibOptions& c = layer.choice;
   const auto within = [](const char* name, double v, double lo, double hi) {
     if (!(v >= lo && v <= hi))
       throw Error("bad-value", fmt::format("{} must be between {} and {}; it is {}", name, lo, hi, v))
@@ -59,7 +59,7 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
     throw Error("bad-value", fmt::format("'{}' is not a finish", c.finish),
                 "choose levels, colors or patches")
         .parameter("finish");
-  texture_nib::NibSettings s;
+  texture_nib::NibOptions s;
   s.levels = c.levels;
   s.extent = c.extent;
   s.scales = c.scales;
@@ -72,7 +72,7 @@ texture_nib::Nib Painting::nib_of(const Layer& layer, const Work& work) const {
       {.passes = c.passes, .finish = static_cast<Finish>(finish - std::begin(kFinishes)), .seed = c.seed}};
 }
 
-void Painting::choose(const NibChoice& choice, const Work& work) {
+void Painting::choose(const NibOptions& choice, const Work& work) {
   end_stroke();
   Layer layer{choice, picture(), {}};
   auto nib = nib_of(layer, work);  // throws before anything changes
@@ -153,7 +153,7 @@ std::string Painting::graph(const fs::path& file) const {
     ++number;
     out += fmt::format("  strokes_{}:\n    type: Strokes\n    params:\n      strokes:\n", number);
     for (const auto& s : l.strokes) out += fmt::format("        - {}\n", quoted(strokes::write_stroke(s)));
-    const NibChoice& c = l.choice;
+    const NibOptions& c = l.choice;
     out += fmt::format(
         "  nib_{0}:\n    type: TextureNib\n    inputs: {{image: {1}.image, strokes: strokes_{0}.strokes}}\n"
         "    params: {{region: [{2}], levels: {3}, extent: {4}, scales: {5}, passes: {6}, finish: {7}{8}, "

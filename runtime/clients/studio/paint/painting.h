@@ -14,7 +14,7 @@
 namespace terrazzo::studio {
 
 // The settings of a nib: the parameters of a TextureNib node, with the same defaults.
-struct NibChoice {
+struct NibOptions {
   std::vector<double> region;  // as in TextureNib: x, y, width, height, or a polygon
   int levels = 8, extent = 3, scales = 1, passes = 4;
   std::optional<double> threshold;
@@ -33,12 +33,12 @@ class Painting {
   const Image& picture() const;
   // Null if no nib is chosen.
   const texture_nib::Nib* nib() const { return nib_ ? &*nib_ : nullptr; }
-  const NibChoice* choice() const { return layers_.empty() ? nullptr : &layers_.back().choice; }
+  const NibOptions* choice() const { return layers_.empty() ? nullptr : &layers_.back().choice; }
   std::size_t strokes() const;  // number of strokes of all nibs
 
   // Starts a new nib. It learns its texture from the current image, earlier strokes included, and its own map
   // starts empty. Throws Error "outside-image", "bad-region", "too-small", "one-color", "bad-value".
-  void choose(const NibChoice&, const Work& = {});
+  void choose(const NibOptions&, const Work& = {});
 
   // Paint a stroke point by point. extend_stroke() returns the rectangle that the point changed. A stroke
   // that touches no pixel is dropped. Throw Error "no-nib", "no-stroke", "bad-stroke", "nib-too-large".
@@ -60,7 +60,7 @@ class Painting {
 
  private:
   struct Layer {
-    NibChoice choice;
+    NibOptions choice;
     Image base;
     std::vector<Stroke> strokes;
   };

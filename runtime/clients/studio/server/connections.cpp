@@ -108,7 +108,7 @@ void ConnectionStream::drain() {
     if (!wait(POLLIN, until)) return;
     const ssize_t n = ::recv(handle_->socket, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
     if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) return;
-    left -= std::min(left, static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+    left -= std::min<std::size_t>(left, std::max<ssize_t>(n, 0));
   }
 }
 

@@ -43,7 +43,7 @@ struct StudioServer::Impl {
   LiveGraph& live;
   const Registry& registry;
   StudioStart start;
-  LocalServer server{"studio", kEvents, max_graph_bytes + (1 << 20), kMostUpload};
+  LocalServer server{"studio", kEvents, kMaxGraphBytes + (1 << 20), kMostUpload};
   std::atomic<int> streams{0};  // now open
 
   // A stream of events. Sends the whole state first, unless the client names an event that is still kept.

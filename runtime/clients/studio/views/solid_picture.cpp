@@ -26,7 +26,7 @@ Particles side_by_side(const Shapes& shapes) {
   double radius = 0;
   for (const Shape& s : shapes.shapes)
     for (const Vec3& v : s.mesh.vertices) radius = std::max(radius, v.norm());
-  const auto columns = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(out.count()))));
+  const std::size_t columns = std::ceil(std::sqrt(static_cast<double>(out.count())));
   const std::size_t rows = columns ? (out.count() + columns - 1) / columns : 0;
   const double cell = 2.1 * radius;
   out.box = cell * Vec3(static_cast<double>(columns), static_cast<double>(rows), 1);
@@ -39,7 +39,7 @@ Particles side_by_side(const Shapes& shapes) {
 }
 
 Image rendered(const carving::Solid& solid, double azimuth) {
-  const render_solid::RenderSettings settings{.width = 640, .height = 480, .samples = 8};
+  const render_solid::RenderOptions settings{.width = 640, .height = 480, .samples = 8};
   const float at = azimuth * std::numbers::pi / 180;
   render_solid::Studio::Settings light;
   light.lamp_azimuth = at - 0.95f;  // to the camera's left, as in RenderSolid

@@ -108,11 +108,11 @@ namespace {
 
 // A color for each profile of a section, by its first pixel: it stays when other profiles get other numbers.
 std::vector<std::uint32_t> profile_colors(const Labels& labels, int section) {
-  std::vector<std::uint32_t> out(static_cast<std::size_t>(labels.count()) + 1, 0);
+  std::vector<std::uint32_t> out(labels.count() + 1, 0);
   out[0] = color_of(0);
   const std::size_t begin = labels.index(0, 0, section), end = labels.index(0, 0, section + 1);
   for (std::size_t k = begin; k < end; ++k) {
-    const auto id = static_cast<std::size_t>(std::max(labels.ids[k], 0));
+    const std::size_t id = std::max(labels.ids[k], 0);
     if (id < out.size() && out[id] == 0)
       out[id] = color_of(static_cast<std::int32_t>((k - begin) * 2654435761u % 1000003) + 1);
   }
@@ -156,7 +156,7 @@ json outlines(const Profiles& p, int section) {
 
 }  // namespace
 
-ValueView view_of(const Value& value, const std::string& as, const ViewChoice& choice) {
+ValueView view_of(const Value& value, const std::string& as, const ViewOptions& choice) {
   const int section = choice.slice.index, most = choice.most;
   if (as == "json") return json_view(value.type().describe(value.data()));
   if (as == "summary") {
@@ -173,7 +173,7 @@ ValueView view_of(const Value& value, const std::string& as, const ViewChoice& c
     if (as == "ids") return r.view([&](int x, int y) { return static_cast<std::uint32_t>(id(x, y)); });
     const auto colors = profile_colors(labels, r.section);
     return r.view([&](int x, int y) {
-      const auto k = static_cast<std::size_t>(id(x, y));
+      const std::size_t k = id(x, y);
       return k < colors.size() ? colors[k] : colors[0];
     });
   }

@@ -21,7 +21,7 @@ struct ValueView {
 // "picture": of Particles, Shapes and Volumes, as pixels: see solid_picture.h.
 // "particles", "meshes", "head", "slice", "voxels": see geometry_views.h.
 // Throws Error "bad-request" if the type has no such view, "too-large" if it would be.
-struct ViewChoice {
+struct ViewOptions {
   // Pixels, or voxels, on the longest edge, beyond which they are reduced by a whole factor. Of meshes,
   // triangles.
   int most = 2048;
@@ -29,6 +29,6 @@ struct ViewChoice {
   Value shapes = {};   // of particles, for "picture"
   double azimuth = 0;  // degrees
 };
-ValueView view_of(const Value&, const std::string& as, const ViewChoice& = {});
+ValueView view_of(const Value&, const std::string& as, const ViewOptions& = {});
 
 }  // namespace terrazzo::studio

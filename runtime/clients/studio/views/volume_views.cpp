@@ -75,7 +75,7 @@ json volume_head(const Volume& volume) {
       if (!grid) return;
       double lo = static_cast<double>(grid->background()), hi = lo;
       for (auto it = grid->cbeginValueOn(); it; ++it) {
-        const auto v = static_cast<double>(*it);
+        const double v = *it;
         if (std::isfinite(v)) {
           lo = std::min(lo, v);
           hi = std::max(hi, v);

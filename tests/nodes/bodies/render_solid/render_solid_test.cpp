@@ -86,8 +86,8 @@ Painted object(const ColorField& field, const Shape& shape) {
   return p;
 }
 
-RenderSettings plain(int size, int samples) {
-  RenderSettings s;
+RenderOptions plain(int size, int samples) {
+  RenderOptions s;
   s.width = s.height = size, s.samples = samples, s.gloss = 0;
   return s;
 }
@@ -126,7 +126,7 @@ TEST(RenderSolid, PicturesThatAreRefinedEndInTheSameBits) {
   const auto solid = block(field, 1, 0.5);
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 40, 30);
   for (const int samples : {1, 2, 11, 16}) {
-    RenderSettings settings = plain(40, samples);
+    RenderOptions settings = plain(40, samples);
     settings.height = 30, settings.gloss = 0.4f;
     std::vector<Image> shown;
     const Image refined = render(*solid, Studio({}), camera, settings, {},
@@ -184,7 +184,7 @@ TEST(RenderSolid, FacesShowTheVoxelsBelowThem) {
   for (const auto& [point, color] : outer)
     EXPECT_LT((pixel_of(image, camera, point) - color).norm(), 0.02f) << point.transpose();
   // Inside, faces reflect each other; without bounces the color is the albedo again.
-  RenderSettings direct = plain(size, 16);
+  RenderOptions direct = plain(size, 16);
   direct.bounces = 0;
   const Image inner = render(*solid, Studio::furnace(), camera, direct);
   const std::vector<Expected> inside = {

@@ -50,7 +50,7 @@ TEST_P(SectionIdentities, HoldForRandomPlanes) {
   Shapes shapes{{test::cube(), measure_shape("slab", test::box_mesh(1.6, 1.0, 0.4, Vec3(-.8, -.5, -.2)))}};
   const Particles particles = random_particles(GetParam(), 400, 12, 0.4, 1.2, 2);
   const Truth truth = truth_of(particles, shapes);
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = "random", choice.planes = 300, choice.seed = 7 + GetParam();
   const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 1));
   const Sums sums = sums_of(s);
@@ -75,7 +75,7 @@ TEST(SectionIdentitiesAxis, AllDepthsIntegrateToVolumeAndCaliper) {
   const Particles particles = random_particles(11, 60, 6, 0.6, 1.4);
   const Truth truth = truth_of(particles, shapes);
   for (const char* axis : {"x", "y", "z"}) {
-    SectionChoice choice;
+    SectionOptions choice;
     choice.axis = axis, choice.planes = 600;
     const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 2));
     double area = 0, extent = 0;
@@ -103,7 +103,7 @@ TEST(SectionIdentitiesHoles, RingsMeetTheEulerIdentity) {
   // negative.
   Shapes shapes{{test::square_ring()}};
   const Particles particles = random_particles(3, 60, 12, 0.6, 1.2);
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = "random", choice.planes = 400, choice.seed = 5;
   const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 1));
   // The shape must produce regions with holes and multiple regions.

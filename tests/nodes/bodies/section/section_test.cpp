@@ -16,7 +16,7 @@ using test::apart_particles;
 using test::random_particles;
 using test::run_node;
 
-Section cut(const Particles& p, const Shapes& shapes, const SectionChoice& choice, double pixel = 0.05) {
+Section cut(const Particles& p, const Shapes& shapes, const SectionOptions& choice, double pixel = 0.05) {
   return cut_section(p, shapes, choose_planes(choice, p.box, true, pixel));
 }
 
@@ -31,7 +31,7 @@ Particles one_cube(const Vec3& at, double box = 4) {
 
 TEST(Section, ACubeAcrossTheTilesCornerCountsOnceAndWhole) {
   const Shapes shapes{{test::cube()}};
-  SectionChoice choice;
+  SectionOptions choice;
   choice.offsets = {0.1};  // reached only by the cube's periodic image below the box
   const Particles p = one_cube({3.9, 0.2, 3.8});
   const Section s = cut(p, shapes, choice);
@@ -58,7 +58,7 @@ TEST(Section, AxesShowTheirFacesTheRightWayUp) {
   const Shapes shapes{{test::cube()}};
   Particles p = one_cube({1, 2, 3});
   for (int u = 0; u < 3; ++u) {
-    SectionChoice choice;
+    SectionOptions choice;
     choice.axis = std::string(1, static_cast<char>('x' + u));
     choice.offsets = {p.position[0][u]};
     const Section s = cut(p, shapes, choice);
@@ -71,7 +71,7 @@ TEST(Section, AxesShowTheirFacesTheRightWayUp) {
 TEST(Section, AFreePlaneIsPlacedByItsNormalAndAPoint) {
   const Shapes shapes{{test::cube()}};
   const Particles p = one_cube({2, 2, 2});
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = "free", choice.width = choice.height = 4;
   for (const auto& [normal, area] : {std::pair(Vec3(0, 0, 2), 1.0),
                                      {Vec3(1, 1, 0), std::sqrt(2.0)},
@@ -97,7 +97,7 @@ TEST(Section, PictureLabelsAndProfilesAgree) {
   const Shapes shapes{{test::cube()}};
   const Particles p = apart_particles(2, 3000, 10, 0.5, 1.5, shapes.shapes[0]);
   for (const char* axis : {"z", "random"}) {
-    SectionChoice choice;
+    SectionOptions choice;
     choice.axis = axis, choice.planes = 2;
     const Section s = cut(p, shapes, choice, 0.02);
     const double pixel = s.image.pixel_size * s.image.pixel_size;
@@ -132,7 +132,7 @@ TEST(Section, OverlapsCountOnce) {
   p.position[1] = {1.5, 1.25, 1};                     // shares 0.5 × 0.75 with the first
   p.position[2] = p.position[0] + Vec3(1e-12, 0, 0);  // a copy of the first
   p.orientation[1] = p.orientation[2] = Quat::Identity();
-  SectionChoice choice;
+  SectionOptions choice;
   choice.offsets = {1};
   const Section s = cut(p, shapes, choice);
   EXPECT_EQ(s.profiles.profiles.size(), 3u);
@@ -145,7 +145,7 @@ TEST(Section, BoxesThatTouchFillThePlane) {
   Particles p = one_cube({1, 1, 1});
   p.resize(4);
   for (int i = 0; i < 4; ++i) p.position[i] = {i % 2 ? 3.0 : 1.0, i / 2 ? 3.0 : 1.0, 1}, p.scale[i] = 1;
-  SectionChoice choice;
+  SectionOptions choice;
   choice.offsets = {1};
   const Section s = cut(p, shapes, choice);
   EXPECT_NEAR(s.profiles.area_fraction, 1, 1e-8);
@@ -156,7 +156,7 @@ TEST(Section, BoxesThatTouchFillThePlane) {
 TEST(Section, BordersOfRandomWindowsAreWeighted) {
   const Shapes shapes{{test::cube()}};
   const Particles p = random_particles(4, 300, 10, 0.8, 1.6);
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = "random", choice.planes = 20, choice.width = 6, choice.height = 3;
   const Section s = cut(p, shapes, choice);
   EXPECT_DOUBLE_EQ(s.profiles.observed_area, 360);

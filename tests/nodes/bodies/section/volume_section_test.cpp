@@ -43,7 +43,7 @@ Volume block_volume(const openvdb::Coord& corner, bool with_id = true, bool peri
 
 VolumeSection cut(const Volume& v, const std::string& axis, double offset, double pixel) {
   const VolumeBox box = volume_box(v);
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = axis;
   if (axis != "random") choice.offsets = {offset};
   return cut_volume(v, choose_planes(choice, box.size, box.periodic, pixel));
@@ -112,7 +112,7 @@ TEST(SectionOfVolume, ABallStaysWholeWhereverItIsCut) {
   double layer = 0;
   for (int i = 0; i < n * n; ++i) layer += (i % n - 8) * (i % n - 8) + (i / n - 8) * (i / n - 8) < 36;
   EXPECT_NEAR(flat.profiles.profiles[0].area, layer * voxel * voxel, 1e-12);
-  SectionChoice choice;
+  SectionOptions choice;
   choice.axis = "random", choice.planes = 40;
   const VolumeBox box = volume_box(v);
   const VolumeSection s = cut_volume(v, choose_planes(choice, box.size, box.periodic, voxel / 4));

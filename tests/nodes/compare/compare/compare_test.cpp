@@ -128,7 +128,7 @@ TEST(Compare, SmallestLeavesOutWhatAPhotographCannotShow) {
     speck.area = 1e-4;
     b.profiles.push_back(speck);
   }
-  CompareChoice choice;
+  CompareOptions choice;
   EXPECT_GT(compare::compare(a, b, choice).metrics.at("N_A_l1"), 0.5);
   choice.smallest = 0.05;
   EXPECT_EQ(compare::compare(a, b, choice).metrics.at("N_A_l1"), 0);
@@ -151,7 +151,7 @@ TEST(CompareDistributions, ByClassAndReclassed) {
   const Comparison same = compare::compare(a, b, {});
   EXPECT_NEAR(same.metrics.at("N_V_l1"), 0.5 / 6, 1e-12);
   EXPECT_EQ(exceeding(same, "size_classes"), 0);
-  CompareChoice two;
+  CompareOptions two;
   two.classes = 2;
   const Comparison other = compare::compare(a, distribution({0, 0.5, 2}, {3, 3}, 0), two);
   ASSERT_EQ(other.numbers.size(), 3u);

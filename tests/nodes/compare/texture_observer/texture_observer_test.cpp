@@ -25,9 +25,9 @@ Image gray_noise(int width, int height, std::uint64_t seed, double deviation = 2
   return out;
 }
 
-const CropChoice kSmall{.crop = 32};
+const CropOptions kSmall{.crop = 32};
 
-std::array<Verdict, 2> verdicts_on(const Image& a, const Image& b, const CropChoice& choice = kSmall) {
+std::array<Verdict, 2> verdicts_on(const Image& a, const Image& b, const CropOptions& choice = kSmall) {
   return observe(halves_of(a, "a", choice, {}), halves_of(b, "b", choice, {}), choice.seed);
 }
 
@@ -101,7 +101,7 @@ TEST(TextureObserver, SeesWhatAReductionHides) {
       a.at(x, y) = coarse.at(x / 2, y / 2);
       b.at(x, y) = other.at(x / 2, y / 2) * ((x + y) % 2 ? 1.05f : 0.95f);
     }
-  CropChoice full = kSmall, reduced = kSmall;
+  CropOptions full = kSmall, reduced = kSmall;
   full.crops = 64, reduced.scale = 2;
   for (const Verdict& v : verdicts_on(a, b, full)) EXPECT_GT(v.accuracy.share, 0.98) << v.observer;
   for (const Verdict& v : verdicts_on(a, b, reduced))

@@ -41,7 +41,7 @@ TEST(CooccurrenceSolid, SlicesMatchThePictureOfTheirAxis) {
   for (const char* kind : {"fat", "muscle"}) {
     const bool agree = kind[0] == 'f';
     const Image along = pattern(kind, "x"), across = pattern(kind, "z");
-    SolidFieldSettings s;
+    SolidFieldOptions s;
     s.size = Vec3i(32, 28, 36);
     s.levels = 5;
     const SolidFieldResult r = synthesize_solid({&along, &along, &across}, s);

@@ -36,7 +36,7 @@ Strokes strokes_of(const std::vector<std::string>& texts) {
   return s;
 }
 
-Nib nib_on(const Image& picture, const std::vector<double>& region, Finish finish, NibSettings s = {},
+Nib nib_on(const Image& picture, const std::vector<double>& region, Finish finish, NibOptions s = {},
            std::uint64_t seed = 1, Pairs pairs = Pairs::Touching) {
   return Nib(picture, learn(picture, region_mask(region, picture.width, picture.height), s),
              {.finish = finish, .pairs = pairs, .seed = seed});
@@ -84,7 +84,7 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
   const Image picture = pattern("fat", 64, "0.7");
   for (const Finish finish : {Finish::Levels, Finish::Colors, Finish::Patches})
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
-      NibSettings s;
+      NibOptions s;
       s.levels = seed == 3 ? 20 : 5;
       s.extent = 1 + static_cast<int>(seed % 3), s.scales = 1 + static_cast<int>(seed % 2);
       if (seed == 2) s.threshold = 0.03;

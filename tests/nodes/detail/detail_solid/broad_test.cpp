@@ -17,7 +17,7 @@ TEST(DetailBroad, SpecksStayWholeInTheFinePart) {
   const auto drawn = test::draw_disks(320, 80, 30, [&](int x, int y, int id) {
     return Vec3f(Vec3f::Constant(id == 0 ? 0.5f : speck(x, y) ? 0.9f : 0.02f));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   for (const Vec3f& c : p.profile_color) EXPECT_NEAR(linear_to_srgb(c).x(), 0.02f, 0.01f);
@@ -38,7 +38,7 @@ TEST(DetailBroad, ZonesBelongToTheBroadPart) {
     const float grain = 0.01f * static_cast<float>((x * 7 + y * 13) % 5 - 2);
     return Vec3f(Vec3f::Constant(id == 0 ? 0.5f : (x % 80 < 25 ? 0.2f : 0.7f) + grain));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   const std::vector<Vec3f> broad = split_broad(p, drawn.labels);
@@ -58,7 +58,7 @@ TEST(DetailBroad, EdgesBetweenZonesAreNoGrain) {
     const float binder = !mastic ? 0.05f : (x + 10) % 80 == 0 ? 0.38f : 0.3f;
     return Vec3f(Vec3f::Constant((id == 0 ? binder : 0.8f) + grain));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1, choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   const std::size_t used = p.pixels[0];

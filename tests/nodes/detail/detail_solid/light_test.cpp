@@ -28,7 +28,7 @@ test::DrawnPicture lit_disks(float light, float shadow) {
 }
 
 Detail light_of(const test::DrawnPicture& drawn, Phases* left = nullptr) {
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1, choice.edge = 0, choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;

@@ -59,7 +59,7 @@ TEST(DetailPhases, MaskedPixelsAreNotUsed) {
       mask.ids[i] = 2;
       if (drawn.labels.ids[i] == 0) drawn.image.pixels[i] = Vec3f(0.6f, 0.5f, 0.4f);  // no outlier
     }
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.mask = &mask;
   const Phases p = find_phases(drawn.image, drawn.labels, choice);
   for (std::size_t i = 0; i < p.phase.size(); ++i)
@@ -75,7 +75,7 @@ TEST(DetailPhases, MissedParticlesAreNotUsed) {
   const Phases p = find_phases(drawn.image, drawn.labels, {});
   EXPECT_GT(p.outliers, 0);
   EXPECT_EQ(p.phase[40 * 240 + 40], -1);
-  PhaseChoice all;
+  PhaseOptions all;
   all.specks = 0;
   EXPECT_EQ(find_phases(drawn.image, drawn.labels, all).phase[40 * 240 + 40], 0);
 }
@@ -95,7 +95,7 @@ TEST(DetailRims, ABandAlongOutlinesIsFound) {
     const double d = std::hypot(x % 80 + 0.5 - 40, y % 80 + 0.5 - 40) - 30;
     return Vec3f::Constant(id ? 0.3f : d < 4 ? 0.6f : 0.5f);
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.edge = 0, choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
@@ -131,7 +131,7 @@ TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
       image.at(x, y) = srgb_to_linear(Vec3f::Constant(encoded));
     }
   labels.classes.assign(16, 0);
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.edge = 0, choice.specks = 0;
   Phases p = find_phases(image, labels, choice);
   Detail d;
@@ -158,7 +158,7 @@ TEST(DetailRims, SlopesAndContrastsAreMeasured) {
     const float slope = 0.1f * static_cast<float>(x % 80 + 0.5 - 40) / 30;
     return Vec3f(Vec3f::Constant(0.4f + slope + (id % 2 ? 0.04f : 0.02f) * noise(x, y, 5)));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   const auto slopes = split_slopes(p, drawn.labels);
@@ -270,7 +270,7 @@ TEST(DetailRims, ChromaAndGrayHaveContrastsOfTheirOwn) {
     const float hue = (id % 2 ? 0.04f : 0.01f) * noise(x, y, 5);
     return Vec3f(Vec3f::Constant(0.4f + 0.02f * noise(x, y, 6)) + hue * Vec3f(1, 0, -1));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
@@ -289,7 +289,7 @@ TEST(DetailRims, ZonesDoNotCountAsGrain) {
     const float zone = id % 2 ? 0.06f * std::sin(0.1f * static_cast<float>(x)) : 0;
     return Vec3f(Vec3f::Constant(0.4f + zone + 0.02f * noise(x, y, 5)));
   });
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.groups = 1;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
@@ -318,7 +318,7 @@ TEST(DetailRims, PixelsNearOutlinesAreLeftOutWhileEnoughRemain) {
   const auto large = test::draw_disks(320, 80, 30, two_colors),
              small = test::draw_disks(160, 40, 12, two_colors);
   for (const auto* drawn : {&large, &small}) {
-    PhaseChoice choice;
+    PhaseOptions choice;
     choice.groups = 1;
     Phases p = find_phases(drawn->image, drawn->labels, choice);
     const Phases before = p;

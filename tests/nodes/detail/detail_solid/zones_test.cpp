@@ -25,7 +25,7 @@ struct Split {
 template <class Color>
 Split split(Color&& color, int size = 480, int step = 120, double radius = 30) {
   const auto drawn = test::draw_disks(size, step, radius, color);
-  PhaseChoice choice;
+  PhaseOptions choice;
   choice.specks = 0;
   Split out{find_phases(drawn.image, drawn.labels, choice), {}};
   out.detail.phases.resize(out.phases.pixels.size());

@@ -12,7 +12,7 @@ using namespace grain;
 
 TEST(Grain, KeepsTheMeanAndHasTheNoiseAsked) {
   const Image in(200, 200, 1, 0.1, Vec3f::Constant(0.5f));
-  GrainSettings g{0, 0, 1, 0, 0.02, 7};
+  GrainOptions g{0, 0, 1, 0, 0.02, 7};
   const Image out = add_grain(in, nullptr, g, {});
   double sum = 0, squares = 0;
   for (const auto& p : out.pixels) sum += p[1], squares += p[1] * p[1];
@@ -30,7 +30,7 @@ TEST(Grain, KeepsTheMeanAndHasTheNoiseAsked) {
 TEST(Grain, EachLabelHasItsOwnPattern) {
   const Image in(64, 64, 1, 0.1, Vec3f::Constant(0.5f));
   Labels labels{64, 64, 1, 0.1, std::vector<std::int32_t>(64 * 64, 1), {0, 0}};
-  const GrainSettings g{0.2, 0.1, 1, 0, 0, 7};
+  const GrainOptions g{0.2, 0.1, 1, 0, 0, 7};
   const Image one = add_grain(in, &labels, g, {});
   labels.ids[0] = 2;
   const Image other = add_grain(in, &labels, g, {});

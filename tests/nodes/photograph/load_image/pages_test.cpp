@@ -26,11 +26,11 @@ class PicturesInOneFile : public ::testing::Test {
     return folder / name;
   }
   // The encoded level, 0 to 255, of the first channel of pixel (0, 0).
-  int level(const fs::path& path, const PageChoice& choice = {}) {
+  int level(const fs::path& path, const PageOptions& choice = {}) {
     const Image image = read_image(path, "auto", 1, {}, nullptr, choice);
     return static_cast<int>(std::lround(255 * linear_to_srgb(image.at(0, 0))[0]));
   }
-  std::string failure(const fs::path& path, const PageChoice& choice = {}) {
+  std::string failure(const fs::path& path, const PageOptions& choice = {}) {
     try {
       level(path, choice);
     } catch (const Error& e) {

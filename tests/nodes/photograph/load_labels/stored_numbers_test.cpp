@@ -30,7 +30,7 @@ class StoredNumbers : public ::testing::Test {
     std::ofstream(folder / name, std::ios::binary) << bytes;
     return folder / name;
   }
-  Numbers numbers(const fs::path& path, const PageChoice& choice = {}) {
+  Numbers numbers(const fs::path& path, const PageOptions& choice = {}) {
     warnings.clear();
     return read_mask(path, choice, {available_memory(), [&](const std::string& w) { warnings.push_back(w); }})
         .values;

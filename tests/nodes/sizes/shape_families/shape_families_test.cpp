@@ -68,8 +68,8 @@ Profiles cut(const Shapes& shapes, double n_v, double area, std::uint64_t seed) 
   return p;
 }
 
-ScoreSettings quick() {
-  ScoreSettings s;
+ScoreOptions quick() {
+  ScoreOptions s;
   s.sections = 800, s.bootstrap = 0;
   return s;
 }
@@ -82,7 +82,7 @@ TEST(ShapeFamilies, TheTrueFamilyPredictsBest) {
                                         octahedron.family("octahedron"), slab.family("slab")};
   for (std::size_t truth = 0; truth < families.size(); ++truth) {
     const Profiles p = cut(*families[truth].shapes, 0.02, 10000, 1 + truth);
-    ScoreSettings settings = quick();
+    ScoreOptions settings = quick();
     settings.folds = 3;
     const Scores s = score_families(p, families, settings, {});
     EXPECT_EQ(s.best, truth) << families[s.best].name << " for " << families[truth].name;

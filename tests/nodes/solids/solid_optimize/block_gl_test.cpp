@@ -30,7 +30,7 @@ class SolidGl : public ::testing::Test {
     if (!gl) GTEST_SKIP() << why;
   }
   // Fraction of voxels that differ by more than 1/1000 of the exemplar's standard deviation.
-  double difference(const std::vector<so::SolidExemplar>& exemplars, const so::SolidSettings& s) {
+  double difference(const std::vector<so::SolidExemplar>& exemplars, const so::SolidOptions& s) {
     const auto a = so::optimize_solid(exemplars, s, Work()),
                b = so::optimize_solid(exemplars, s, Work(), gl.get());
     EXPECT_EQ(a.size, b.size);
@@ -55,8 +55,8 @@ class SolidGl : public ::testing::Test {
 std::unique_ptr<so::BlockGl> SolidGl::gl;
 std::string SolidGl::why;
 
-so::SolidSettings small(const Vec3i& size) {
-  so::SolidSettings s;
+so::SolidOptions small(const Vec3i& size) {
+  so::SolidOptions s;
   s.size = size, s.levels = 3, s.iterations = {2}, s.method = so::SolidMethod::Blockwise, s.finish = 1;
   s.blockwise_limits.whole = 1, s.blockwise_limits.probe = 20, s.blockwise_limits.closed = 20;
   return s;
@@ -67,19 +67,19 @@ TEST_F(SolidGl, MakesWhatTheProcessorMakes) {
 }
 
 TEST_F(SolidGl, MakesItWhereTheProbeIsEverythingToo) {
-  so::SolidSettings s = small(Vec3i::Constant(32));
+  so::SolidOptions s = small(Vec3i::Constant(32));
   s.blockwise_limits.closed = 32;
   EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 64, 8, 1))}, s), 0.01);
 }
 
 TEST_F(SolidGl, MakesTheSameBlocks) {
-  so::SolidSettings s = small(Vec3i(33, 32, 41));
+  so::SolidOptions s = small(Vec3i(33, 32, 41));
   s.blocks = Vec3i(1, 2, 2), s.block = 2;
   EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 48, 8, 1))}, s), 0.01);
 }
 
 TEST_F(SolidGl, TakesTwoExemplarsMasksAndGreyAndKeepsSources) {
-  so::SolidSettings s = small(Vec3i(32, 32, 32));
+  so::SolidOptions s = small(Vec3i(32, 32, 32));
   s.sources = true, s.plane = {0, -1, 1};
   Image gray = test::blobs(48, 48, 7, 12), other = test::blobs(64, 56, 7, 3);
   for (auto* image : {&gray, &other})

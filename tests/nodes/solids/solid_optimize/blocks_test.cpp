@@ -22,8 +22,8 @@ namespace {
 namespace so = solids;
 
 // Three levels, of which only the coarsest is made whole. Statistics of the others are measured on a corner.
-so::SolidSettings settings_of(const Vec3i& size) {
-  so::SolidSettings s;
+so::SolidOptions settings_of(const Vec3i& size) {
+  so::SolidOptions s;
   s.size = size, s.levels = 3, s.iterations = {2}, s.method = so::SolidMethod::Blockwise, s.finish = 1;
   s.blockwise_limits.whole = 1, s.blockwise_limits.probe = 20, s.blockwise_limits.closed = 24;
   return s;
@@ -48,7 +48,7 @@ std::size_t different(const so::SolidResult& whole, const so::SolidResult& block
   return count;
 }
 
-void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidSettings s) {
+void expect_blocks_are_the_whole(const Vec3i& blocks, so::SolidOptions s) {
   const Vec3i size = s.size;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   ASSERT_EQ(whole.size, size);
@@ -82,7 +82,7 @@ TEST(SolidBlocks, AreTheWholeWhereTheyAreMuchSmallerThanWhatTheyNeed) {
 
 // Levels above one with random matches and colors: any whole level will do for comparing parts.
 struct Levels {
-  so::SolidSettings s;
+  so::SolidOptions s;
   std::vector<so::SolidExemplar> working{exemplar()};
   std::vector<so::Pyramid> pyramids;
   std::vector<int> iterations;
@@ -90,7 +90,7 @@ struct Levels {
   std::unique_ptr<so::BlockLevels> made;
   static constexpr int kChannels = 3;
 
-  explicit Levels(const so::SolidSettings& settings) : s(settings), iterations(so::iterations_of(s, 3)) {
+  explicit Levels(const so::SolidOptions& settings) : s(settings), iterations(so::iterations_of(s, 3)) {
     pyramids.push_back(so::exemplar_levels(working[0], kChannels, 0, 3, 0.98, 32, 16, Work()));
     for (auto& level : pyramids[0]) so::find_similar(level, Work());
     const Vec3i size = coarse.field.size = so::box_at(s.size, 0, 3);
@@ -112,7 +112,7 @@ struct Levels {
 TEST(SolidBlocks, ATorusHasNoEdge) {
   const Levels all(settings_of(Vec3i(45, 40, 34)));
   so::BlockLevels& levels = *all.made;
-  const so::SolidSettings& s = all.s;
+  const so::SolidOptions& s = all.s;
   EXPECT_FALSE(levels.measure(nullptr, Work()));  // the probe is a corner
   so::TorusBox across;
   across.lo = Vec3i(-6, 33, -9), across.hi = Vec3i(7, 47, 5);
@@ -133,7 +133,7 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
 }
 
 TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
-  so::SolidSettings s = settings_of(Vec3i(40, 33, 36));
+  so::SolidOptions s = settings_of(Vec3i(40, 33, 36));
   s.blockwise_limits.closed = 40, s.sources = true;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   EXPECT_EQ(whole.field.channel[0].size(), 40u * 33 * 36);
@@ -149,7 +149,7 @@ TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
 }
 
 TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {
-  so::SolidSettings s;
+  so::SolidOptions s;
   s.size = Vec3i::Constant(56), s.iterations = {8, 4};
   const auto sweeps = so::optimize_solid({exemplar()}, s, Work());
   s.method = so::SolidMethod::Blockwise, s.finish = 1, s.blockwise_limits.probe = 32,
@@ -168,7 +168,7 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
   GTEST_SKIP() << "sanitizers keep memory of their own for every byte";
 #endif
-  so::SolidSettings s = settings_of(Vec3i::Constant(192));
+  so::SolidOptions s = settings_of(Vec3i::Constant(192));
   s.iterations = {1}, s.blockwise_iterations = 1;
   so::BlockBase base;
   const auto fits = [](double used, double forecast) {
@@ -184,7 +184,7 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
                forecast = so::block_forecast({exemplar()}, s);
   if (of_block >= 0) fits(of_block, forecast);
   // A block needs the same memory in a solid of any size, except for the matches of its coarsest level.
-  so::SolidSettings large = s;
+  so::SolidOptions large = s;
   large.size = Vec3i::Constant(384), large.blocks = Vec3i::Constant(4), large.block = 21;
   EXPECT_LT(so::block_forecast({exemplar()}, large), 1.5 * forecast);
   large.blocks = Vec3i::Ones(), large.block = 0;
@@ -192,7 +192,7 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
 }
 
 TEST(SolidBlocks, StopWhenCancelled) {
-  so::SolidSettings s = settings_of(Vec3i::Constant(40));
+  so::SolidOptions s = settings_of(Vec3i::Constant(40));
   const so::BlockBase base = so::solid_base({exemplar()}, s, Work());
   s.blocks = Vec3i(2, 1, 1);
   for (const double stop : {0.2, 0.4, 0.6, 0.9}) {
@@ -267,7 +267,7 @@ TEST(SolidBlocks, SayWhatIsWrong) {
 }
 
 TEST(SolidBlocks, ExemplarsLeaveTheFinishSomethingToMeasure) {
-  so::SolidSettings s = settings_of(Vec3i::Constant(32));
+  so::SolidOptions s = settings_of(Vec3i::Constant(32));
   s.levels = 2;
   try {
     so::optimize_solid({test::exemplar_of(test::blobs(23, 40, 8, 1))}, s, Work());

@@ -80,7 +80,7 @@ TEST(SolidOptimize, HasTheExemplarsColors) {
 TEST(SolidOptimize, SectionsLookMoreLikeTheExemplarThanNoiseOfItsColors) {
   namespace so = solids;
   const Image e = blobs(64, 64, 7, 3);
-  so::SolidSettings s;
+  so::SolidOptions s;
   s.size = Vec3i::Constant(40), s.iterations = {8, 4};
   so::SolidExemplar exemplar;
   exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
@@ -242,7 +242,7 @@ TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
   const Image e = blobs(64, 64, 8, 1);
   so::SolidExemplar exemplar;
   exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
-  so::SolidSettings s;
+  so::SolidOptions s;
   s.size = Vec3i::Constant(96), s.iterations = {1};
   so::SolidResult r;
   const double used = peak_of([&] { r = so::optimize_solid({exemplar}, s, Work()); }),

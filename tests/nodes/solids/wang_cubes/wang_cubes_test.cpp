@@ -82,7 +82,7 @@ TEST(WangCubes, OneColorRepeatsTheSolid) {
 TEST(WangCubes, ContinueEachOtherWithoutRepeating) {
   const Torus<Vec3f> solid = blobs();
   const Lattice l = random_lattice(Vec3i(4, 3, 1), 2, 3);
-  CubeSettings s;
+  CubeOptions s;
   s.fill.iterations = {12};
   const CubeSet set = make_cubes(solid, l, s, Work());
   EXPECT_GE(set.cube.size(), 6u);
@@ -119,7 +119,7 @@ TEST(WangCubes, ContinueEachOtherWithoutRepeating) {
 TEST(WangCubes, AllCubesAreTheSolidAlongTheirEdges) {
   const Torus<Vec3f> solid = blobs();
   const Lattice l = random_lattice(Vec3i(2, 2, 1), 2, 3);
-  CubeSettings s;
+  CubeOptions s;
   s.fill.iterations = {2}, s.rim = 3;
   const CubeSet set = make_cubes(solid, l, s, Work());
   int inside = 0;

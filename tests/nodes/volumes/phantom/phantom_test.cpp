@@ -28,7 +28,7 @@ Shares shares(const std::vector<float>& v, std::size_t begin, std::size_t end) {
 
 TEST(Phantom, HoldsEveryTissueForAnySeed) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    phantom::LimbChoice limb;
+    phantom::LimbOptions limb;
     limb.resolution = Vec3i(48, 48, 48), limb.seed = seed;
     const auto v = phantom::limb(limb);
     const std::size_t slice = 48 * 48;
@@ -48,11 +48,11 @@ TEST(Phantom, HoldsEveryTissueForAnySeed) {
 }
 
 TEST(Phantom, ScalesWithItsLengthAndStretchesItsVoxels) {
-  phantom::LimbChoice a, b;
+  phantom::LimbOptions a, b;
   a.resolution = b.resolution = Vec3i(24, 24, 36);
   a.noise = b.noise = 0, b.length = 120;
   EXPECT_EQ(phantom::limb(a), phantom::limb(b));
-  phantom::LimbChoice stretched = a;
+  phantom::LimbOptions stretched = a;
   stretched.resolution = Vec3i(24, 24, 6);
   EXPECT_DOUBLE_EQ(stretched.spacing().z(), 40);
   EXPECT_NEAR(shares(phantom::limb(stretched), 0, 24 * 24 * 6).muscle,
@@ -60,7 +60,7 @@ TEST(Phantom, ScalesWithItsLengthAndStretchesItsVoxels) {
 }
 
 TEST(Phantom, NoiseHasTheDeviationAskedFor) {
-  phantom::LimbChoice quiet, noisy;
+  phantom::LimbOptions quiet, noisy;
   quiet.resolution = noisy.resolution = Vec3i(32, 32, 32);
   quiet.noise = 0, noisy.noise = 12;
   const auto a = phantom::limb(quiet), b = phantom::limb(noisy);

@@ -259,7 +259,7 @@ TEST_F(StudioDocument, SavingThroughLinksReplacesWhatTheyReferTo) {
 TEST_F(StudioDocument, BadTextAndBadFilesAreRefused) {
   Document d(file);
   EXPECT_EQ(test::code_of([&] { d.replace("\xff"); }), "not-utf8");
-  EXPECT_EQ(test::code_of([&] { d.replace(std::string(max_graph_bytes + 1, ' ')); }), "too-large");
+  EXPECT_EQ(test::code_of([&] { d.replace(std::string(kMaxGraphBytes + 1, ' ')); }), "too-large");
   EXPECT_EQ(d.text(), kDocumentText);
   EXPECT_EQ(test::code_of([&] { Document(file.parent_path() / "none.yaml"); }), "no-file");
   Document given(file, true);

@@ -100,7 +100,7 @@ TEST_F(Paint, AnswersBeforeALargeNibIsDone) {
 
   // The same bits as without a queue.
   studio::Painting direct{test::paint_picture()};
-  studio::NibChoice choice;
+  studio::NibOptions choice;
   choice.region = {2, 2, 40, 60};
   direct.choose(choice);
   direct.begin_stroke(40);

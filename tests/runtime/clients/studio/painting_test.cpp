@@ -12,11 +12,11 @@
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-using studio::NibChoice;
+using studio::NibOptions;
 using studio::Painting;
 
-NibChoice nib(std::vector<double> region) {
-  NibChoice c;
+NibOptions nib(std::vector<double> region) {
+  NibOptions c;
   c.region = std::move(region);
   return c;
 }
@@ -48,7 +48,7 @@ TEST(Painting, TheGraphGivesTheSamePicture) {
   stroke(p, 6.5, {{55, 35}, {60.25, 40}, {66, 44}});
   stroke(p, 6, {{200, 200}});  // misses
   stroke(p, 5, {{-20, 10}, {3, 12}, {20, 90}});
-  NibChoice second = nib({2, 2, 40, 2, 40, 60, 2, 60});
+  NibOptions second = nib({2, 2, 40, 2, 40, 60, 2, 60});
   second.levels = 5, second.extent = 2, second.finish = "levels", second.threshold = 0.125;
   p.choose(second);
   stroke(p, 8, {{60, 40}});
@@ -115,7 +115,7 @@ TEST(Painting, RefusesBadInputAndStaysAsItWas) {
   EXPECT_EQ(code([&] { p.choose(nib({0, 0, 3, 3})); }), "too-small");
   EXPECT_EQ(code([&] { p.choose(nib({0, 0, 300, 3})); }), "outside-image");
   EXPECT_EQ(code([&] { p.choose(nib({})); }), "bad-region");
-  NibChoice bad = nib({2, 2, 40, 60});
+  NibOptions bad = nib({2, 2, 40, 60});
   bad.levels = 1;
   EXPECT_EQ(code([&] { p.choose(bad); }), "bad-value");
   EXPECT_EQ(p.nib(), nullptr);

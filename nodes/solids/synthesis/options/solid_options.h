@@ -30,7 +30,7 @@ enum class SolidMethod {
 // Color space of distances and means: Oklab, scene-linear Rec. 709, or display-encoded RGB (sRGB).
 enum class SolidColor { Lab, Linear, Rgb };
 
-struct SolidSettings {
+struct SolidOptions {
   SolidMethod method = SolidMethod::Coherence;
   Vec3i size = Vec3i::Constant(64);
   std::array<int, 3> plane = {0, 0, 0};       // exemplar index for slices across x, y, z; −1: none
