@@ -34,7 +34,10 @@ Drawing drawing_of(const Graph& g) {
   for (const auto& node : g.nodes) {
     const std::string path = without_elements(node.path);
     const auto [at, fresh] = known.try_emplace(path, out.nodes.size());
-    if (fresh) out.nodes.push_back({path, node.type->name}), count.push_back(0);
+    if (fresh) {
+      out.nodes.push_back({path, node.type->name});
+      count.push_back(0);
+    }
     drawn.push_back(at->second);
     ++count[at->second];
   }

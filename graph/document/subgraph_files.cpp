@@ -64,7 +64,8 @@ void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level)
         e = {file.nodes + 1, file.bytes + e.bytes, file.nesting + 1};
       }
     }
-    add(into.nodes, e.nodes), add(into.bytes, e.bytes);
+    add(into.nodes, e.nodes);
+    add(into.bytes, e.bytes);
     into.nesting = std::max(into.nesting, e.nesting);
   }
 }

@@ -15,17 +15,29 @@ void encode(const Detail& v, Writer& w) {
       w.raw_array(v.profile_contrast);
   w.raw_array(v.profile_broad);
   const Detail::Zones& z = v.zones;
-  w.array(z.sigma), w.array(z.variance), w.array(z.level);
-  w.bytes(z.dark.data(), sizeof(float) * 3), w.bytes(z.light.data(), sizeof(float) * 3);
-  w.pod(z.dark_contrast), w.pod(z.light_contrast);
+  w.array(z.sigma);
+  w.array(z.variance);
+  w.array(z.level);
+  w.bytes(z.dark.data(), sizeof(float) * 3);
+  w.bytes(z.light.data(), sizeof(float) * 3);
+  w.pod(z.dark_contrast);
+  w.pod(z.light_contrast);
   w.pod<std::uint64_t>(v.phases.size());
   for (const auto& p : v.phases) {
     w.bytes(p.color.data(), sizeof(float) * 3);
-    w.pod(p.slope), w.bytes(p.tilt.data(), sizeof(float) * 2);
+    w.pod(p.slope);
+    w.bytes(p.tilt.data(), sizeof(float) * 2);
     w.pod<std::uint64_t>(p.rims.size());
-    for (const auto& rim : p.rims)
-      w.pod(rim.size), w.raw_array(rim.offset), w.raw_array(rim.right), w.raw_array(rim.up);
-    w.array(p.gain), w.array(p.grain_gain), w.raw_array(p.tile), w.raw_array(p.broad);
+    for (const auto& rim : p.rims) {
+      w.pod(rim.size);
+      w.raw_array(rim.offset);
+      w.raw_array(rim.right);
+      w.raw_array(rim.up);
+    }
+    w.array(p.gain);
+    w.array(p.grain_gain);
+    w.raw_array(p.tile);
+    w.raw_array(p.broad);
   }
 }
 
@@ -44,7 +56,8 @@ Detail decode_detail(Reader& r) {
   z.sigma = r.array<float>();
   z.variance = r.array<float>();
   z.level = r.array<float>();
-  r.bytes(z.dark.data(), sizeof(float) * 3), r.bytes(z.light.data(), sizeof(float) * 3);
+  r.bytes(z.dark.data(), sizeof(float) * 3);
+  r.bytes(z.light.data(), sizeof(float) * 3);
   z.dark_contrast = r.pod<float>();
   z.light_contrast = r.pod<float>();
   if (z.sigma.size() != z.variance.size() || (!z.level.empty() && z.sigma.empty()) ||

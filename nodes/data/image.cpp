@@ -7,7 +7,10 @@ namespace terrazzo {
 namespace {
 
 void encode(const Image& v, Writer& w) {
-  w.pod(v.width), w.pod(v.height), w.pod(v.sections), w.pod(v.pixel_size);
+  w.pod(v.width);
+  w.pod(v.height);
+  w.pod(v.sections);
+  w.pod(v.pixel_size);
   w.raw_array(v.pixels);
 }
 

@@ -8,10 +8,15 @@ namespace terrazzo {
 namespace {
 
 void encode(const KMatrix& v, Writer& w) {
-  w.pod(v.classes), w.text(v.averaging), w.pod(v.residual);
+  w.pod(v.classes);
+  w.text(v.averaging);
+  w.pod(v.residual);
   w.pod<std::uint64_t>(v.shapes.size());
   for (const auto& e : v.shapes) {
-    w.pod(e.probability), w.pod(e.mean_caliper), w.pod(e.max_section_area), w.pod(e.volume);
+    w.pod(e.probability);
+    w.pod(e.mean_caliper);
+    w.pod(e.max_section_area);
+    w.pod(e.volume);
     w.pod(e.profiles_per_caliper);
     w.bytes(e.K.data(),
             e.K.size() * sizeof(double));  // classes² numbers, column by column

@@ -8,8 +8,12 @@ namespace terrazzo {
 namespace {
 
 void encode(const Labels& v, Writer& w) {
-  w.pod(v.width), w.pod(v.height), w.pod(v.sections), w.pod(v.pixel_size);
-  w.array(v.ids), w.array(v.classes);
+  w.pod(v.width);
+  w.pod(v.height);
+  w.pod(v.sections);
+  w.pod(v.pixel_size);
+  w.array(v.ids);
+  w.array(v.classes);
 }
 
 Labels decode_labels(Reader& r) {

@@ -7,9 +7,12 @@ namespace {
 
 void encode(const Particles& v, Writer& w) {
   w.bytes(v.box.data(), sizeof(double) * 3);
-  w.array(v.shape), w.array(v.cls);
-  w.raw_array(v.position), w.raw_array(v.orientation);
-  w.array(v.scale), w.array(v.size);
+  w.array(v.shape);
+  w.array(v.cls);
+  w.raw_array(v.position);
+  w.raw_array(v.orientation);
+  w.array(v.scale);
+  w.array(v.size);
   w.raw_array(v.color);
   w.bytes(v.binder_color.data(), sizeof(float) * 3);
   // Packings without voids are equal, whether the list is missing or all zero.

@@ -28,9 +28,14 @@ struct Particles {
     return voids.size() - static_cast<std::size_t>(std::count(voids.begin(), voids.end(), 0));
   }
   void resize(std::size_t n) {
-    shape.resize(n), cls.resize(n), position.resize(n, Vec3::Zero()), orientation.resize(n, Quat::Identity());
+    shape.resize(n);
+    cls.resize(n);
+    position.resize(n, Vec3::Zero());
+    orientation.resize(n, Quat::Identity());
     if (!voids.empty()) voids.resize(n);
-    scale.resize(n, 1), size.resize(n), color.resize(n, Vec3f::Constant(0.5f));
+    scale.resize(n, 1);
+    size.resize(n);
+    color.resize(n, Vec3f::Constant(0.5f));
   }
 };
 

@@ -6,13 +6,17 @@ namespace terrazzo {
 namespace {
 
 void encode(const Profiles& v, Writer& w) {
-  w.pod(v.observed_area), w.pod(v.sections), w.pod(v.classes);
+  w.pod(v.observed_area);
+  w.pod(v.sections);
+  w.pod(v.classes);
   w.bytes(v.window.data(), sizeof(double) * 2);
   w.bytes(v.binder_color.data(), sizeof(float) * 3);
   w.pod(v.area_fraction);
   w.pod<std::uint64_t>(v.profiles.size());
   for (const auto& p : v.profiles) {
-    w.pod(p.section), w.pod(p.cls), w.pod(p.area);
+    w.pod(p.section);
+    w.pod(p.cls);
+    w.pod(p.area);
     w.bytes(p.centroid.data(), sizeof(double) * 2);
     w.pod<std::uint8_t>(p.touches_border), w.pod(p.weight), w.pod(p.confidence);
     w.bytes(p.color.data(), sizeof(float) * 3);
@@ -20,7 +24,10 @@ void encode(const Profiles& v, Writer& w) {
   }
   if (v.fragments.empty()) return;  // as before there were any
   w.pod<std::uint64_t>(v.fragments.size());
-  for (const Fragment& f : v.fragments) w.bytes(f.color.data(), sizeof(float) * 3), w.pod(f.area);
+  for (const Fragment& f : v.fragments) {
+    w.bytes(f.color.data(), sizeof(float) * 3);
+    w.pod(f.area);
+  }
 }
 
 Profiles decode_profiles(Reader& r) {

@@ -27,13 +27,17 @@ void encode(const Shapes& v, Writer& w) {
     w.pod(s.probability), w.pod(s.volume), w.pod(s.surface_area), w.pod(s.mean_caliper),
         w.pod(s.max_section_area);
     w.pod<std::uint8_t>(s.smooth);
-    w.raw_array(s.mesh.vertices), w.raw_array(s.mesh.triangles);
+    w.raw_array(s.mesh.vertices);
+    w.raw_array(s.mesh.triangles);
   }
   if (!is_painted(v)) return encode_classes(v.shapes, w);
   std::vector<std::int32_t> classes;
   for (const Shape& s : v.shapes) classes.push_back(s.cls);
   w.array(classes);
-  for (const Shape& s : v.shapes) w.raw_array(s.color), w.raw_array(s.uv);
+  for (const Shape& s : v.shapes) {
+    w.raw_array(s.color);
+    w.raw_array(s.uv);
+  }
 }
 
 Shapes decode_shapes(Reader& r) {

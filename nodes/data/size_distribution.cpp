@@ -9,10 +9,15 @@ void encode(const SizeDistribution& v, Writer& w) {
   w.array(v.class_edges);
   w.pod<std::uint64_t>(v.shapes.size());
   for (const auto& e : v.shapes) {
-    w.pod(e.shape), w.pod(e.cls);
-    w.array(e.N_V), w.array(e.low), w.array(e.high);
+    w.pod(e.shape);
+    w.pod(e.cls);
+    w.array(e.N_V);
+    w.array(e.low);
+    w.array(e.high);
   }
-  w.pod(v.volume_fraction), w.pod(v.d_max), w.pod(v.goodness_of_fit);
+  w.pod(v.volume_fraction);
+  w.pod(v.d_max);
+  w.pod(v.goodness_of_fit);
 }
 
 SizeDistribution decode_size_distribution(Reader& r) {

@@ -121,7 +121,8 @@ struct NetBuilder {
     std::int32_t& n = number[lattice.index(p)];
     if (n < 0) {
       n = net.nodes.size();
-      net.nodes.push_back(lattice.place(p)), point.push_back(p);
+      net.nodes.push_back(lattice.place(p));
+      point.push_back(p);
     }
     return n;
   }
@@ -150,7 +151,8 @@ struct NetBuilder {
     const Vec3i u = Vec3i::Unit((axis + 1) % 3), v = Vec3i::Unit((axis + 2) % 3);
     std::array<std::int32_t, 4> q = {node(c), node(c + u), node(c + u + v), node(c + v)};
     if (before < after) std::swap(q[1], q[3]);  // the normal points away from the larger number
-    net.corners.push_back({q[0], q[1], q[2]}), net.corners.push_back({q[0], q[2], q[3]});
+    net.corners.push_back({q[0], q[1], q[2]});
+    net.corners.push_back({q[0], q[2], q[3]});
     net.patch_of.insert(net.patch_of.end(), 2, it->second);
   }
 };
@@ -177,7 +179,8 @@ struct Neighbors {
 
 Neighbors neighbors_of(const CellLattice& lattice, const NetBuilder& b, const Work& work) {
   Neighbors out;
-  out.of.resize(b.point.size()), out.count.assign(b.point.size(), 0);
+  out.of.resize(b.point.size());
+  out.count.assign(b.point.size(), 0);
   work.parallel(b.point.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
       std::array<std::int32_t, 6> line{}, flat{};

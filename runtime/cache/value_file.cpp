@@ -15,7 +15,8 @@ constexpr char kMagic[8] = {'T', 'Z', 'V', 'A', 'L', '0', '0', '2'};
 std::optional<double> seconds_of(const char* head) {
   std::uint64_t sum;
   double seconds;
-  std::memcpy(&seconds, head + 8, 8), std::memcpy(&sum, head + 16, 8);
+  std::memcpy(&seconds, head + 8, 8);
+  std::memcpy(&sum, head + 16, 8);
   if (std::memcmp(head, kMagic, 8) != 0 || sum != hash_of(head, 16).low || !std::isfinite(seconds)) return {};
   return seconds;
 }

@@ -52,7 +52,8 @@ Subprocess run_subprocess(const std::vector<std::string>& command) {
   ::posix_spawn_file_actions_destroy(&actions);
   if (failure != 0)
     throw Error("no-program", fmt::format("cannot run '{}': {}", command[0], std::strerror(failure)));
-  out.close_write(), err.close_write();
+  out.close_write();
+  err.close_write();
   Subprocess result;
   struct pollfd ends[2] = {{out.read, POLLIN, 0}, {err.read, POLLIN, 0}};
   std::string* texts[2] = {&result.out, &result.err};

@@ -102,7 +102,10 @@ std::vector<GraphRound> graph_rounds(const Graph& graph, const std::vector<int>&
   for (std::size_t i = 0; i < n; ++i) {
     const int part = needed[i] ? elements.part_of(i) : -1;
     if (part < 0) continue;
-    if (out.size() <= round[i]) out.resize(round[i] + 1), shared.resize(round[i] + 1);
+    if (out.size() <= round[i]) {
+      out.resize(round[i] + 1);
+      shared.resize(round[i] + 1);
+    }
     auto& parts = out[round[i]].parts;
     const auto [known, fresh] = at.try_emplace({round[i], part}, parts.size());
     if (fresh) parts.emplace_back();

@@ -98,7 +98,8 @@ void overlap_descent(benchmark::State& state) {
       for (std::size_t i = 0; i < n; ++i) {
         auto& head = first[(static_cast<std::size_t>(cell(at[i].z())) * cells + cell(at[i].y())) * cells +
                            cell(at[i].x())];
-        next[i] = head, head = static_cast<std::int32_t>(i);
+        next[i] = head;
+        head = static_cast<std::int32_t>(i);
       }
       std::fill(push.begin(), push.end(), Vec3::Zero());
       deepest = 0;
@@ -119,7 +120,8 @@ void overlap_descent(benchmark::State& state) {
                 if (distance >= 1 || distance == 0) continue;
                 deepest = std::max(deepest, 1 - distance);
                 const Vec3 half = v * (0.5 * (1.0001 - distance) / distance);
-                push[i] -= half, push[j] += half;
+                push[i] -= half;
+                push[j] += half;
               }
             }
       for (std::size_t i = 0; i < n; ++i)

@@ -56,7 +56,10 @@ void ccm_synthesis(benchmark::State& state) {
     LevelDescent descent(noise, levels, true, wanted);
     start = descent.error();
     state.ResumeTiming();
-    for (std::uint64_t k = 0; k < 5; ++k) descent.sweep(k), pixels += kSide * kSide;
+    for (std::uint64_t k = 0; k < 5; ++k) {
+      descent.sweep(k);
+      pixels += kSide * kSide;
+    }
     end = descent.error();
   }
   count(state, pixels);
@@ -108,7 +111,10 @@ void ccm_plain(benchmark::State& state) {
       }
       double delta = 0;
       for (const auto& [entry, by] : changes) delta += (2.0 * difference[entry] + by) * by;
-      if (delta < least) least = delta, best = t;
+      if (delta < least) {
+        least = delta;
+        best = t;
+      }
     }
     benchmark::DoNotOptimize(pixel = static_cast<std::uint8_t>(best));
     pixel = static_cast<std::uint8_t>(old);

@@ -154,7 +154,8 @@ void render_vase_64(benchmark::State& state) {
   const auto paint = field_paint(field, 1.5, {}, false);
   const auto vase = object_solid(*paint, vase_form());
   RenderOptions settings;
-  settings.width = settings.height = 512, settings.samples = 64;
+  settings.width = settings.height = 512;
+  settings.samples = 64;
   const Camera camera = Camera::framing(vase->bounds(), -0.7f, 0.5f, 512, 512);
   for (auto _ : state) benchmark::DoNotOptimize(render(*vase, Studio({}), camera, settings));
 }

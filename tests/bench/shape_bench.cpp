@@ -19,7 +19,8 @@ using namespace shape_estimate;
 const Shapes& one_stone() {
   static const Shapes shapes = [] {
     RockOptions o;
-    o.detail = 4, o.roughness = 0.008;
+    o.detail = 4;
+    o.roughness = 0.008;
     Shapes s;
     s.shapes.push_back(measure_shape("rock", rock_mesh(o)));
     return s;

@@ -53,13 +53,20 @@ Made make(int side, bool reference, bool blockwise = false) {
   so::SolidOptions s;
   s.size = Vec3i::Constant(side);
   if (reference) s.method = so::SolidMethod::Reference;
-  if (reference) s.iterations = {100, 20, 10}, s.color = so::SolidColor::Rgb;
-  if (blockwise) s.method = so::SolidMethod::Blockwise, s.finish = 1;
+  if (reference) {
+    s.iterations = {100, 20, 10};
+    s.color = so::SolidColor::Rgb;
+  }
+  if (blockwise) {
+    s.method = so::SolidMethod::Blockwise;
+    s.finish = 1;
+  }
   const double start = cpu_seconds();
   const auto r = so::optimize_solid({blobs(side)}, s, Work());
   Made m{cpu_seconds() - start};
   for (const auto& p : r.measures) {
-    m.patches = std::max(m.patches, p.patches), m.histogram = std::max(m.histogram, p.histogram);
+    m.patches = std::max(m.patches, p.patches);
+    m.histogram = std::max(m.histogram, p.histogram);
     m.copied = std::max(m.copied, p.copied_worst);
     if (std::abs(p.bands[0] - 1) > std::abs(m.finest - 1)) m.finest = p.bands[0];
   }

@@ -39,8 +39,8 @@ const std::map<std::string, int> kLibraries = {
     {"bodies/carving", 0}};
 const int kNode = 2, kProgram = 3;  // levels of node folders, and of programs that use them
 // Within solids/synthesis. The files at its top have the last level.
-const std::map<std::string, int> kSynthesis = {{"settings", 0}, {"exemplar", 1},  {"matching", 2},
-                                               {"whole", 3},    {"blockwise", 4}, {"reference_2011", 4}};
+const std::map<std::string, int> kSynthesis = {{"options", 0}, {"exemplar", 1},  {"matching", 2},
+                                               {"whole", 3},   {"blockwise", 4}, {"reference_2011", 4}};
 
 struct Place {
   std::string district, name, inner;

@@ -221,7 +221,10 @@ TEST_F(NiftiPair, BothHalvesAreInTheKey) {
       test::NiftiFile n = test::NiftiFile::counting();
       const auto write = [&] {
         n.write_pair(folder / kind.header, folder / kind.voxels);
-        if (kind.packed) pack(folder / kind.header), pack(folder / kind.voxels);
+        if (kind.packed) {
+          pack(folder / kind.header);
+          pack(folder / kind.voxels);
+        }
       };
       write();
       const Graph g =

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -49,6 +50,32 @@ TEST(Sources, HaveNoFunctionOverAHundredLines) {
       }
     }
   EXPECT_GT(functions, 2000);
+}
+
+// Options are called so, and constants kCamelCase, but for words that are read as a list: placeholder::file.
+TEST(Sources, NameOptionsAndConstantsOneWay) {
+  const std::regex options(R"(\b(struct|class) \w+(Settings|Choice|Config|Params)\b)");
+  const std::regex constant(R"(^ *(static |inline )*constexpr [\w:<>, ]+[ *&]([a-z]\w*)( =|\[|\{))");
+  const std::set<std::string> words = {"runtime/clients/cli/placeholders.h", "runtime/sweep/sweep_log.h"};
+  int constants = 0;
+  for (const char* layer : {"graph", "runtime", "nodes"})
+    for (const auto& e : fs::recursive_directory_iterator(fs::path(TERRAZZO_SOURCE) / layer)) {
+      if (e.path().extension() != ".h" && e.path().extension() != ".cpp") continue;
+      const std::string name = e.path().lexically_relative(TERRAZZO_SOURCE).string();
+      std::ifstream in(e.path());
+      int number = 0;
+      for (std::string line; std::getline(in, line); ++number) {
+        EXPECT_FALSE(std::regex_search(line, options)) << name << ":" << number + 1 << ": " << line;
+        if (line.find("constexpr") == std::string::npos || words.count(name)) continue;
+        ++constants;
+        std::smatch found;
+        if (!std::regex_search(line, found, constant)) continue;
+        const std::string word = found[2];
+        EXPECT_TRUE(word[0] == 'k' && word.size() > 1 && std::isupper(static_cast<unsigned char>(word[1])))
+            << name << ":" << number + 1 << ": " << line;
+      }
+    }
+  EXPECT_GT(constants, 500);
 }
 
 // Files whose streams carry words, lines or binary data, but no numbers as text.

@@ -183,7 +183,8 @@ class Runner {
     const Graph graph = load_graph(test::example_file(type), test::all_nodes(), {}, found);
     const std::vector<Case> cases = cases_of(graph, type);
     RunOptions options;
-    options.threads = 2, options.output_folder = folder_ / "out";
+    options.threads = 2;
+    options.output_folder = folder_ / "out";
     for (const auto& c : cases)
       for (const auto& [port, wires] : c.node->inputs)
         for (const auto& w : wires) options.targets.push_back(w.node);
@@ -269,7 +270,8 @@ class Server {
       ::_exit(1);
     }
     ::close(in[0]), ::close(out[1]);
-    in_ = ::fdopen(in[1], "w"), out_ = ::fdopen(out[0], "r");
+    in_ = ::fdopen(in[1], "w");
+    out_ = ::fdopen(out[0], "r");
   }
   ~Server() {
     std::fclose(in_);

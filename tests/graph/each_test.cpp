@@ -280,14 +280,20 @@ TEST(Each, DocumentsKeepIt) {
   doc.nodes[0].each[0].second.written.items[0] = "1:4:1";
   EXPECT_FALSE(same_document(doc, fresh));
   Edit edit;
-  edit.kind = Edit::Kind::SetParameter, edit.node = "c", edit.name = "value", edit.value = {false, {"7"}, {}};
+  edit.kind = Edit::Kind::SetParameter;
+  edit.node = "c";
+  edit.name = "value";
+  edit.value = {false, {"7"}, {}};
   EXPECT_NE(edit_document(text, "g.yaml", edit).find("each: {k: \"1:3:1\", of: [a, b]}"), std::string::npos);
   edit = {};
-  edit.kind = Edit::Kind::RenameNode, edit.node = "c", edit.to = "e";
+  edit.kind = Edit::Kind::RenameNode;
+  edit.node = "c";
+  edit.to = "e";
   EXPECT_NE(edit_document(text, "g.yaml", edit).find("\"e[1,a].out\""), std::string::npos)
       << edit_document(text, "g.yaml", edit);
   edit = {};
-  edit.kind = Edit::Kind::RemoveNode, edit.node = "c";
+  edit.kind = Edit::Kind::RemoveNode;
+  edit.node = "c";
   EXPECT_EQ(edit_document(text, "g.yaml", edit).find("c["), std::string::npos);
 }
 

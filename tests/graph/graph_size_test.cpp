@@ -123,7 +123,8 @@ TEST_F(GraphSize, TenThousandNodesLoad) {
     inner += "  c" + std::to_string(i) + ": {type: Constant}\n";
     outer += "  s" + std::to_string(i) + ": {graph: inner.yaml}\n";
   }
-  write("inner.yaml", inner), write("outer.yaml", outer);
+  write("inner.yaml", inner);
+  write("outer.yaml", outer);
   const Graph g = load("outer.yaml");
   EXPECT_EQ(all(), "");
   EXPECT_EQ(g.nodes.size(), 10000u);

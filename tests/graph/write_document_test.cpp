@@ -48,7 +48,8 @@ TEST(WriteDocument, WritesOnlyWhatChanged) {
   doc.nodes[1].params[0].second.written.items[0] = "7";
   doc.parameters[1].value.written.items[0] = "4";
   RawNode node;
-  node.name = "c", node.type = "Constant";
+  node.name = "c";
+  node.type = "Constant";
   doc.nodes.push_back(node);
   EXPECT_EQ(write_document(doc, kText),
             "# About the graph.\n"
@@ -152,12 +153,16 @@ TEST(WriteDocument, QuotesWhatYamlWouldReadDifferently) {
     RawDocument doc;
     doc.name = "x" + word;
     RawNode node;
-    node.name = "a", node.type = "Constant", node.doc = word;
+    node.name = "a";
+    node.type = "Constant";
+    node.doc = word;
     node.params.push_back({"value", {{false, {word}, {}}, {}}});
     node.params.push_back({"list", {{true, {word, "b", word}, {}}, {}}});
     doc.nodes.push_back(node);
     RawParameter p;
-    p.declaration.name = "p", p.declaration.kind = ParameterKind::Text, p.declaration.doc = word;
+    p.declaration.name = "p";
+    p.declaration.kind = ParameterKind::Text;
+    p.declaration.doc = word;
     p.value.written = {false, {word}, {}};
     doc.parameters.push_back(p);
     EXPECT_TRUE(same_document(document_of(write_document(doc)), doc)) << write_document(doc);
@@ -178,7 +183,8 @@ TEST(WriteDocument, RandomEditsReadBack) {
           break;
         case 1: {
           RawNode node;
-          node.name = "n" + std::to_string(edit), node.type = "Constant";
+          node.name = "n" + std::to_string(edit);
+          node.type = "Constant";
           doc.nodes.insert(doc.nodes.begin() + pick(static_cast<unsigned>(doc.nodes.size()) + 1), node);
           break;
         }

@@ -150,7 +150,8 @@ TEST_F(CacheUnderStress, TwoPidNamespacesOnOneFolder) {
   const auto clean = contents("clean_out");
   const fs::path cache = folder / "cache";
   for (int round = 0; round < 3; ++round) {
-    fs::remove_all(cache), fs::remove_all(folder / "out");
+    fs::remove_all(cache);
+    fs::remove_all(folder / "out");
     test::ProgramRun runs[2];
     std::thread processes[2];
     for (int i = 0; i < 2; ++i)

@@ -22,7 +22,8 @@ using Stress = std::array<double, 6>;  // MPa: xx, yy, zz, xy, xz, yz
 Volume layers(bool particle) {
   initialize_openvdb();
   auto id = openvdb::Int32Grid::create(-1);
-  id->setName("id"), id->setTransform(voxel_transform(0.5));
+  id->setName("id");
+  id->setTransform(voxel_transform(0.5));
   for (int z = 0; z < kZ && particle; ++z)
     for (int y = 0; y < kY; ++y)
       for (int x = 1; x < kX; ++x) id->tree().setValue(openvdb::Coord(x, y, z), 0);

@@ -69,7 +69,8 @@ TEST_F(Confinement, PathsBelowTheFolderAreFree) {
 
 TEST_F(Confinement, ALinkDoesNotLeadOut) {
   const fs::path elsewhere = folder / "elsewhere";
-  fs::create_directories(elsewhere), fs::create_directories(folder / "out" / "in");
+  fs::create_directories(elsewhere);
+  fs::create_directories(folder / "out" / "in");
   std::ofstream(elsewhere / "x.obj") << "mine";
   fs::create_directory_symlink(elsewhere, folder / "out" / "link");
   fs::create_directory_symlink(elsewhere, folder / "out" / "in" / "link");

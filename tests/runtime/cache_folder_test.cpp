@@ -96,14 +96,17 @@ TEST_F(CacheFolder, ThatCannotBeListedIsUnusable) {
 
 TEST_F(CacheFolder, OfAVersionWithoutMarksIsTakenOver) {
   const std::string name = hash_of("x").text();
-  write(cache / "actions" / name.substr(0, 2) / name), write(cache / "files" / name), write(cache / "lock");
+  write(cache / "actions" / name.substr(0, 2) / name);
+  write(cache / "files" / name);
+  write(cache / "lock");
   write(cache / "values" / ".incoming-12-3.12.4.tmp");
   EXPECT_EQ(code(cache), "");
   EXPECT_TRUE(is_cache_folder(cache));
 }
 
 TEST_F(CacheFolder, ThatSomebodyIsJustMarkingIsJoined) {
-  write(cache / "usage", ""), write(cache / ".CACHEDIR.host.1.0123456789abcdef.tmp.TAG", "");
+  write(cache / "usage", "");
+  write(cache / ".CACHEDIR.host.1.0123456789abcdef.tmp.TAG", "");
   write(cache / ".terrazzo-cache.host.1.0123456789abcdef.tmp", "");
   EXPECT_EQ(code(cache), "");
   EXPECT_TRUE(is_cache_folder(cache));
@@ -124,9 +127,13 @@ TEST_F(CacheFolder, CollectingSweepingAndClearingRemoveOnlyOurOwn) {
                                         "actions/" + name + ".txt",  "actions/zz/" + name,
                                         "values/00/" + name,  // in the wrong part
                                         "files/.photo.host.1.x.tmp", "notes.txt"};
-  for (const auto& f : theirs) write(cache / f), age(cache / f);
+  for (const auto& f : theirs) {
+    write(cache / f);
+    age(cache / f);
+  }
   const fs::path ours = cache_entry(cache, "files", hash_of("y"));
-  write(ours), age(ours);
+  write(ours);
+  age(ours);
   write(cache / "values" / ".incoming.host.12.0123456789abcdef.tmp");
   age(cache / "values" / ".incoming.host.12.0123456789abcdef.tmp");
   for (int i = 0; i < 256; ++i) tend_cache(cache, 1'000'000'000);
@@ -142,7 +149,8 @@ TEST_F(CacheFolder, LinksInItAreNotFollowed) {
   open_cache_folder(cache);
   const std::string name = hash_of("x").text();
   const fs::path elsewhere = folder / "elsewhere" / name;
-  write(elsewhere), age(elsewhere);
+  write(elsewhere);
+  age(elsewhere);
   fs::create_directories(cache / "files" / name.substr(0, 2));
   fs::create_symlink(elsewhere, cache / "files" / name.substr(0, 2) / name);
   collect_cache(cache, 0);
@@ -199,7 +207,8 @@ TEST_F(CacheFolder, WithinItsLimitOnePartIsLookedAtNotAll) {
   // Old, unreadable records: each call removes those of one part.
   for (int i = 0; i < 600; ++i) {
     const fs::path f = cache_entry(cache, "actions", hash_of(std::to_string(i)));
-    write(f), age(f);
+    write(f);
+    age(f);
   }
   const Collected first = tend_cache(cache, 1'000'000'000);
   EXPECT_LT(first.records, 20u);
@@ -225,7 +234,8 @@ TEST_F(CacheFolder, ATimeInTheFutureIsNotLeastValuable) {
     const auto put = [&](double v) {
       return store.put_value(Value::of(Table{{"a"}, std::vector<std::vector<Table::Cell>>(4000, {v})}), 1);
     };
-    future = put(1), past = put(2);
+    future = put(1);
+    past = put(2);
   }
   age(cache_entry(cache, "values", future.content), -2);
   age(cache_entry(cache, "values", past.content), 2);

@@ -39,8 +39,10 @@ class FileHashesTest : public ::testing::Test {
 };
 
 TEST_F(FileHashesTest, SeesACopyThatKeepsTheTime) {
-  write(file, "first"), set_time(file, 1'000'000'000);
-  write(folder / "other", "secnd"), set_time(folder / "other", 1'000'000'000);
+  write(file, "first");
+  set_time(file, 1'000'000'000);
+  write(folder / "other", "secnd");
+  set_time(folder / "other", 1'000'000'000);
   settle();
   FileHashes here(cache);
   EXPECT_EQ(here.hash(file), hash_of("first"));
@@ -50,22 +52,28 @@ TEST_F(FileHashesTest, SeesACopyThatKeepsTheTime) {
 }
 
 TEST_F(FileHashesTest, SeesContentWrittenInPlaceUnderAnOldTime) {
-  write(file, "first"), set_time(file, 1'000'000'000);
+  write(file, "first");
+  set_time(file, 1'000'000'000);
   settle();
   FileHashes here(cache);
   EXPECT_EQ(here.hash(file), hash_of("first"));
-  write(file, "secnd"), set_time(file, 1'000'000'000);
+  write(file, "secnd");
+  set_time(file, 1'000'000'000);
   EXPECT_EQ(here.hash(file), hash_of("secnd"));
   EXPECT_EQ(FileHashes(cache).hash(file), hash_of("secnd"));
 }
 
 TEST_F(FileHashesTest, SeesALinkThatPointsElsewhere) {
-  for (const char* name : {"one", "two"}) write(folder / name, name), set_time(folder / name, 1'000'000'000);
+  for (const char* name : {"one", "two"}) {
+    write(folder / name, name);
+    set_time(folder / name, 1'000'000'000);
+  }
   fs::create_symlink(folder / "one", file);
   settle();
   FileHashes here(cache);
   EXPECT_EQ(here.hash(file), hash_of("one"));
-  fs::remove(file), fs::create_symlink(folder / "two", file);
+  fs::remove(file);
+  fs::create_symlink(folder / "two", file);
   EXPECT_EQ(here.hash(file), hash_of("two"));
   EXPECT_EQ(FileHashes(cache).hash(file), hash_of("two"));
 }

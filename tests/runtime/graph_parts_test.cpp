@@ -134,7 +134,8 @@ TEST(GraphParts, EveryElementIsComputedOnceAndInOrder) {
           const auto i = static_cast<std::size_t>(open.back());
           open.pop_back();
           if (known[i]) continue;
-          known[i] = true, fresh.push_back(static_cast<int>(i));
+          known[i] = true;
+          fresh.push_back(static_cast<int>(i));
           for (const auto& [port, wires] : g.nodes[i].inputs)
             for (const auto& w : wires) open.push_back(w.node);
         }

@@ -64,7 +64,8 @@ ProgramRun run_command(const std::vector<std::string>& command, const ProgramOpt
   ::waitpid(child, &status, 0);
   ProgramRun run;
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-  run.out = read_file(out).value_or(""), run.err = read_file(err).value_or("");
+  run.out = read_file(out).value_or("");
+  run.err = read_file(err).value_or("");
   fail_on_sanitizer_report(run);
   return run;
 }

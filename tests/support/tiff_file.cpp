@@ -10,9 +10,15 @@ class TiffWriter {
   explicit TiffWriter(const TiffKind& kind) : kind_(kind) {
     bytes_ = kind.big_endian ? "MM" : "II";
     if (kind.wide) {
-      put(43, 2), put(8, 2), put(0, 2), link_ = bytes_.size(), put(0, 8);
+      put(43, 2);
+      put(8, 2);
+      put(0, 2);
+      link_ = bytes_.size();
+      put(0, 8);
     } else {
-      put(42, 2), link_ = bytes_.size(), put(0, 4);
+      put(42, 2);
+      link_ = bytes_.size();
+      put(0, 4);
     }
   }
 
@@ -94,7 +100,8 @@ class TiffWriter {
     const std::uint64_t at = bytes_.size();
     put(entries.size(), kind_.wide ? 8 : 2);
     for (const auto& e : entries) {
-      put(static_cast<std::uint64_t>(e.tag), 2), put(static_cast<std::uint64_t>(e.type), 2);
+      put(static_cast<std::uint64_t>(e.tag), 2);
+      put(static_cast<std::uint64_t>(e.type), 2);
       put(e.count, static_cast<int>(word));
       bytes_ += e.data;
     }

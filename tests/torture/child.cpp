@@ -103,7 +103,8 @@ Child::Child(const std::function<int()>& work, const fs::path& folder, const Chi
   if (pid_ < 0) throw std::runtime_error("cannot fork");
   if (pid_ > 0) return;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  redirect(out_, 1), redirect(err_, 2);
+  redirect(out_, 1);
+  redirect(err_, 2);
   if (o.largest_file >= 0) {
     const struct rlimit limit = {static_cast<rlim_t>(o.largest_file), static_cast<rlim_t>(o.largest_file)};
     ::setrlimit(RLIMIT_FSIZE, &limit);
@@ -147,7 +148,8 @@ Ended Child::wait(double kill_after) {
   e.seconds = now() - start_;
   if (WIFEXITED(status)) e.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) e.signal = WTERMSIG(status);
-  e.out = read_file(out_).value_or(""), e.err = read_file(err_).value_or("");
+  e.out = read_file(out_).value_or("");
+  e.err = read_file(err_).value_or("");
   return e;
 }
 

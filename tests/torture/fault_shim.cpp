@@ -95,7 +95,9 @@ __attribute__((constructor)) void begin_from_environment() {
   if (std::sscanf(text, "%llu %lf %u %llu %d %511[^\n]", &seed, &p.rate, &p.operations, &full_after, &passing,
                   p.folder) != 6)
     ::abort();
-  p.seed = seed, p.full_after = full_after, p.passing = passing;
+  p.seed = seed;
+  p.full_after = full_after;
+  p.passing = passing;
   FaultCounts* shared = nullptr;
   if (const char* file = std::getenv("TERRAZZO_FAULT_COUNTS")) {
     const int fd = ::open(file, O_RDWR | O_CREAT | O_CLOEXEC, 0600);

@@ -70,7 +70,10 @@ void pictures(Writer& w) {
                   "{\"document\":\"\"}");
   }
   Labels labels;
-  labels.width = 9, labels.height = 7, labels.sections = 1, labels.pixel_size = 1;
+  labels.width = 9;
+  labels.height = 7;
+  labels.sections = 1;
+  labels.pixel_size = 1;
   for (int i = 0; i < 63; ++i) labels.ids.push_back(i % 5);
   labels.classes.assign(4, 0);
   write_labels(w.place("LoadLabels.png", "a.png"), labels);
@@ -91,7 +94,9 @@ void stored_pictures(Writer& w) {
   const std::string gif = std::string("GIF89a\2\0\1\0\x81\0\0", 13) + std::string(12, '\x33') +
                           std::string("\x2c\0\0\0\0\2\0\1\0\0\2\2\x8c\x0a\0\x3b", 16);
   test::TiffPage bits{5, 3};
-  bits.bits = 1, bits.photometric = 0, bits.pixels = {'\x50', '\x20', '\x88'};
+  bits.bits = 1;
+  bits.photometric = 0;
+  bits.pixels = {'\x50', '\x20', '\x88'};
   test::TiffPage stack{2, 2};
   stack.pixels = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   stack.description = "ImageJ=1.5\nimages=3\nslices=3\n";
@@ -163,7 +168,8 @@ void vdbs(Writer& w) {
   v.resolution = Vec3i(16, 16, 16);
   const auto add = [&]<class Grid>(const char* name, auto value) {
     auto g = Grid::create();
-    g->setName(name), g->setTransform(voxel_transform(0.25));
+    g->setName(name);
+    g->setTransform(voxel_transform(0.25));
     for (int i = 0; i < 50; ++i) g->tree().setValue(openvdb::Coord(i % 7 - 3, i % 11, i), value(i));
     g->tree().addTile(1, openvdb::Coord(512, 0, 0), value(3), true);
     g->tree().addTile(3, openvdb::Coord(8192, 0, 0), value(4), true);
@@ -182,8 +188,10 @@ void voxel_files(Writer& w) {
   v.resolution = Vec3i(4, 3, 2);
   auto id = openvdb::Int32Grid::create(-1);
   auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.5f));
-  id->setName("id"), id->setTransform(voxel_transform(0.25));
-  color->setName("Cd"), color->setTransform(voxel_transform(0.25));
+  id->setName("id");
+  id->setTransform(voxel_transform(0.25));
+  color->setName("Cd");
+  color->setTransform(voxel_transform(0.25));
   for (int i = 0; i < 4; ++i) id->tree().setValue(openvdb::Coord(i, i % 3, i % 2), i);
   write_vdb(w.place("LoadVolume.vdb", "a.vdb"), {v.resolution, {id}}, "{}");  // whole numbers as floats
   v.grids = {id, color};
@@ -249,7 +257,9 @@ void dicoms(Writer& w) {
   w.text("LoadVolume.dcm", "a.dcm", file("1.2.840.10008.1.2.1", element(0x7fe00010, "OW", values)));
   // Run-length encoded: two segments, the high bytes and the low bytes, each as one literal run.
   std::string rle(64, '\0'), high = "\5", low = "\5";
-  rle[0] = 2, rle[4] = 64, rle[8] = 72;
+  rle[0] = 2;
+  rle[4] = 64;
+  rle[8] = 72;
   for (int i = 0; i < 6; ++i)
     high += values[static_cast<std::size_t>(2 * i + 1)], low += values[static_cast<std::size_t>(2 * i)];
   rle += high + '\0' + low + '\0';

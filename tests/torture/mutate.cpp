@@ -82,8 +82,10 @@ std::string unpacked(const std::string& b) {
   z_stream z = {};
   if (inflateInit2(&z, 31) != Z_OK) return {};
   std::string out(1 << 16, '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(b.data())), z.avail_in = static_cast<uInt>(b.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = static_cast<uInt>(out.size());
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(b.data()));
+  z.avail_in = static_cast<uInt>(b.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
   inflate(&z, Z_FINISH);
   out.resize(z.total_out);
   inflateEnd(&z);
@@ -94,8 +96,10 @@ std::string packed(const std::string& b) {
   z_stream z = {};
   if (deflateInit2(&z, 6, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY) != Z_OK) return {};
   std::string out(deflateBound(&z, b.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(b.data())), z.avail_in = static_cast<uInt>(b.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = static_cast<uInt>(out.size());
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(b.data()));
+  z.avail_in = static_cast<uInt>(b.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
   deflate(&z, Z_FINISH);
   out.resize(z.total_out);
   deflateEnd(&z);

@@ -44,7 +44,10 @@ openvdb::FloatGrid::Ptr grid_of(const Mesh& mesh, const std::vector<Triangle>& t
 // The library fills cavities, so surfaces that face inward are subtracted.
 openvdb::FloatGrid::Ptr grid_of(const Mesh& mesh, double mm, double voxel) {
   DisjointSets sets(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
+  for (const Triangle& t : mesh.triangles) {
+    sets.join(t[0], t[1]);
+    sets.join(t[0], t[2]);
+  }
   std::vector<double> volume(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles)
     volume[sets.find(t[0])] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]]));
@@ -122,10 +125,13 @@ Mesh surface_of(const Volume& volume) {
   };
   for (const auto& t : triangles) add(t[0], t[1], t[2]);
   for (const auto& q : quads) {
-    if ((points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr())
-      add(q[0], q[1], q[2]), add(q[0], q[2], q[3]);
-    else
-      add(q[1], q[2], q[3]), add(q[1], q[3], q[0]);
+    if ((points[q[0]] - points[q[2]]).lengthSqr() <= (points[q[1]] - points[q[3]]).lengthSqr()) {
+      add(q[0], q[1], q[2]);
+      add(q[0], q[2], q[3]);
+    } else {
+      add(q[1], q[2], q[3]);
+      add(q[1], q[3], q[0]);
+    }
   }
   if (mesh.triangles.empty())
     throw Error("empty-body", "nothing is left of the body at this edge length", "reduce edge");

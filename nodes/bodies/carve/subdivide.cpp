@@ -47,15 +47,19 @@ void subdivide(Mesh& mesh, double longest, const Work& work) {
       }
       const auto [a, b, c] = corner;
       if (count == 1) {
-        out.push_back({a, m[0], c}), out.push_back({m[0], b, c});
+        out.push_back({a, m[0], c});
+        out.push_back({m[0], b, c});
         continue;
       }
       out.push_back({m[0], b, m[1]});
       const auto at = [&](std::int32_t i) { return mesh.vertices[i]; };
-      if ((at(a) - at(m[1])).squaredNorm() <= (at(m[0]) - at(c)).squaredNorm())
-        out.push_back({a, m[0], m[1]}), out.push_back({a, m[1], c});
-      else
-        out.push_back({a, m[0], c}), out.push_back({m[0], m[1], c});
+      if ((at(a) - at(m[1])).squaredNorm() <= (at(m[0]) - at(c)).squaredNorm()) {
+        out.push_back({a, m[0], m[1]});
+        out.push_back({a, m[1], c});
+      } else {
+        out.push_back({a, m[0], c});
+        out.push_back({m[0], m[1], c});
+      }
     }
     mesh.triangles = std::move(out);
   }

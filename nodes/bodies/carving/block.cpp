@@ -86,7 +86,10 @@ class Block : public CarvedBody {
 
   RayScene::Triangles faces() {
     RayScene::Triangles t;
-    for (int k = 0; k < 3; ++k) faces_.push_back({k, -1, 0}), faces_.push_back({k, 1, size_[k]});
+    for (int k = 0; k < 3; ++k) {
+      faces_.push_back({k, -1, 0});
+      faces_.push_back({k, 1, size_[k]});
+    }
     const Vec3f zero = Vec3f::Zero();
     for (int f = 0; f < 6; ++f) {
       const int k = f / 2, i = (k + 1) % 3, j = (k + 2) % 3;

@@ -16,7 +16,10 @@ class Fracture : public Solid {
            double roughness, std::uint64_t seed, const residual::ResidualField* residual)
       : paint_(paint), block_(particles, shapes, level, roughness, seed), colors_(particles, residual) {
     std::vector<RayScene::Triangles> meshes;
-    for (const Shape& s : shapes.shapes) bodies_.emplace_back(s), meshes.push_back(bodies_.back().triangles);
+    for (const Shape& s : shapes.shapes) {
+      bodies_.emplace_back(s);
+      meshes.push_back(bodies_.back().triangles);
+    }
     particles_ = std::make_unique<RayScene>(meshes, block_.instances());
     binder_ = std::make_unique<RayMesh>(block_.under_the_face());
     binder_scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{binder_->triangles},

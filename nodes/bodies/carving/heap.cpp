@@ -15,7 +15,10 @@ class Heap : public Solid {
       : colors_(particles, residual), longest_(static_cast<float>(particles.box.maxCoeff())) {
     const double longest = particles.box.maxCoeff();
     std::vector<RayScene::Triangles> meshes;
-    for (const Shape& s : shapes.shapes) bodies_.emplace_back(s), meshes.push_back(bodies_.back().triangles);
+    for (const Shape& s : shapes.shapes) {
+      bodies_.emplace_back(s);
+      meshes.push_back(bodies_.back().triangles);
+    }
     std::vector<RayScene::Instance> instances;
     double lowest = 0;
     for (std::size_t i = 0; i < particles.count(); ++i) {

@@ -60,8 +60,10 @@ std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f
 Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
   std::vector<RayScene::Instance> instances;
   std::vector<RayScene::Triangles> triangles;
-  for (const Shape& s : voids.shapes->shapes)
-    meshes_.emplace_back(s), triangles.push_back(meshes_.back().triangles);
+  for (const Shape& s : voids.shapes->shapes) {
+    meshes_.emplace_back(s);
+    triangles.push_back(meshes_.back().triangles);
+  }
   for (const VoidImage& i : void_images(voids, bounds)) {
     instances.push_back(i.instance);
     mesh_of_.push_back(i.instance.mesh);

@@ -68,7 +68,8 @@ void take_paint(Context& c, Mode mode, Body& body) {
   else if (color == ColorSource::Auto)
     color = c.has("volume") || !c.has("particles") ? ColorSource::Volume : ColorSource::Particles;
   if (color == ColorSource::Particles) {
-    need(c, "color from particles", "particles"), need(c, "color from particles", "shapes");
+    need(c, "color from particles", "particles");
+    need(c, "color from particles", "shapes");
     const auto& particles = c.input<Particles>("particles");
     check_shown(particles, c.input<Shapes>("shapes"));
     take_residual(c, body);
@@ -112,7 +113,8 @@ void take_solid(Context& c, Mode mode, Body& body, std::uint64_t seed) {
   if (mode == Mode::Knot) body.solid = object_solid(*paint, knot_form(), body.voids);
   if (mode == Mode::Object) body.solid = object_solid(*paint, object_of(c, true), body.voids);
   if (body.solid) return;
-  need(c, mode, "particles"), need(c, mode, "shapes");
+  need(c, mode, "particles");
+  need(c, mode, "shapes");
   const auto& particles = c.input<Particles>("particles");
   const auto& shapes = c.input<Shapes>("shapes");
   if (mode == Mode::Fracture) {

@@ -53,7 +53,8 @@ Studio::Studio(const Settings& s) : settings_(s) {
   tail_ = std::exp(-2 * k);
   const auto lobe = [k](double z) { return k / (2 * kPi * (1 - std::exp(-2 * k))) * std::exp(k * (z - 1)); };
   const double from = std::max(-1.0, 1 - 20 / k);
-  for (int i = 0; i <= kSteps; ++i) by_angle_[i] = kPi * cosine_integral(-1 + 2.0 * i / kSteps, lobe, from, 256);
+  for (int i = 0; i <= kSteps; ++i)
+    by_angle_[i] = kPi * cosine_integral(-1 + 2.0 * i / kSteps, lobe, from, 256);
   const float facing = interpolate(by_angle_, direction_.z());
   lamp_ = s.lamp_share > 0 ? s.lamp_share / facing : 0;
 

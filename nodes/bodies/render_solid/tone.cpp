@@ -17,21 +17,25 @@ constexpr float kKnee = 0.85f;
 
 // A table of the neutral curve. The knee is one of its nodes, so below it the table is exact.
 ocio::TransformRcPtr neutral() {
-  constexpr unsigned long nodes = 41;
+  constexpr unsigned long kNodes = 41;
   constexpr double kTop = 2;
   auto range = ocio::RangeTransform::Create();
-  range->setMinInValue(0), range->setMinOutValue(0), range->setMaxInValue(kTop), range->setMaxOutValue(1);
-  auto table = ocio::Lut3DTransform::Create(nodes);
+  range->setMinInValue(0);
+  range->setMinOutValue(0);
+  range->setMaxInValue(kTop);
+  range->setMaxOutValue(1);
+  auto table = ocio::Lut3DTransform::Create(kNodes);
   table->setInterpolation(ocio::INTERP_TETRAHEDRAL);
-  const auto value = [](unsigned long i) { return static_cast<float>(kTop * double(i) / (nodes - 1)); };
-  for (unsigned long r = 0; r < nodes; ++r)
-    for (unsigned long g = 0; g < nodes; ++g)
-      for (unsigned long b = 0; b < nodes; ++b) {
+  const auto value = [](unsigned long i) { return static_cast<float>(kTop * double(i) / (kNodes - 1)); };
+  for (unsigned long r = 0; r < kNodes; ++r)
+    for (unsigned long g = 0; g < kNodes; ++g)
+      for (unsigned long b = 0; b < kNodes; ++b) {
         const Vec3f v = neutral_curve(Vec3f(value(r), value(g), value(b)));
         table->setValue(r, g, b, v.x(), v.y(), v.z());
       }
   auto all = ocio::GroupTransform::Create();
-  all->appendTransform(range), all->appendTransform(table);
+  all->appendTransform(range);
+  all->appendTransform(table);
   return all;
 }
 
@@ -39,7 +43,8 @@ ocio::TransformRcPtr aces() {
   constexpr double kExposure = 1.6;
   const auto builtin = [](const char* style, ocio::TransformDirection direction) {
     auto t = ocio::BuiltinTransform::Create();
-    t->setStyle(style), t->setDirection(direction);
+    t->setStyle(style);
+    t->setDirection(direction);
     return t;
   };
   // Rec. 709 to and from the XYZ of its own white, D65 (IEC 61966-2-1).
@@ -61,16 +66,19 @@ ocio::TransformRcPtr aces() {
                              1};
   const auto matrix = [&](ocio::TransformDirection direction) {
     auto t = ocio::MatrixTransform::Create();
-    t->setMatrix(to_xyz), t->setDirection(direction);
+    t->setMatrix(to_xyz);
+    t->setDirection(direction);
     return t;
   };
   const double gain[16] = {kExposure, 0, 0, 0, 0, kExposure, 0, 0, 0, 0, kExposure, 0, 0, 0, 0, 1};
   auto exposed = ocio::MatrixTransform::Create();
   exposed->setMatrix(gain);
   auto positive = ocio::RangeTransform::Create();
-  positive->setMinInValue(0), positive->setMinOutValue(0);
+  positive->setMinInValue(0);
+  positive->setMinOutValue(0);
   auto all = ocio::GroupTransform::Create();
-  all->appendTransform(exposed), all->appendTransform(positive);
+  all->appendTransform(exposed);
+  all->appendTransform(positive);
   all->appendTransform(matrix(ocio::TRANSFORM_DIR_FORWARD));
   all->appendTransform(builtin("UTILITY - ACES-AP0_to_CIE-XYZ-D65_BFD", ocio::TRANSFORM_DIR_INVERSE));
   all->appendTransform(

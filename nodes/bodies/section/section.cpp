@@ -94,7 +94,10 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
            const std::function<void(const Image&)>& flat, const Work& work) {
   const std::size_t pixels = pixels_in(grid.width, grid.height);
   Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f), {}, {}};
-  if (detail) canvas.owner.assign(pixels, -1), canvas.share.assign(pixels, 0.0f);
+  if (detail) {
+    canvas.owner.assign(pixels, -1);
+    canvas.share.assign(pixels, 0.0f);
+  }
   for (std::size_t k = 0; k < visible.size(); ++k) {
     work.check();
     const Profile& p = out.profiles.profiles[first + k];

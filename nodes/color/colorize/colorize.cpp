@@ -63,7 +63,9 @@ Source usable(const Profiles& profiles, ColorReport& report) {
                   "check the photograph for NaN and the segmentation for empty profiles");
     const double w = report.weightless ? 1 : p.weight;
     if (w == 0) continue;
-    s.color.push_back(p.color), s.weight.push_back(w), s.cls.push_back(p.cls);
+    s.color.push_back(p.color);
+    s.weight.push_back(w);
+    s.cls.push_back(p.cls);
     s.size.push_back(std::sqrt(4 * p.area / std::numbers::pi));
   }
   report.profiles_used = s.count();

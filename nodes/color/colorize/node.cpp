@@ -35,7 +35,10 @@ void compute(Context& c) {
   c.metric("profiles_used", report.profiles_used);
   c.metric("mean_color_difference", mean_difference(particles, profiles));
   if (report.hidden > 0) c.metric("hidden", report.hidden);
-  if (report.clusters > 0) c.metric("clusters", report.clusters), c.metric("silhouette", report.silhouette);
+  if (report.clusters > 0) {
+    c.metric("clusters", report.clusters);
+    c.metric("silhouette", report.silhouette);
+  }
   c.output("particles", std::move(particles));
 }
 

@@ -114,13 +114,16 @@ Encoded read_decoded(PictureInput& in, const Channels& channels, double pixel_si
   const auto room = [&] { out.image = Image(h.width, h.height, 1, pixel_size); };
   if (h.sample == Sample::UInt8) {
     const auto samples = in.samples<std::uint8_t>(Sample::UInt8, kMore);
-    room(), take_samples(samples, h.count(), channels, out.top = 255, out);
+    room();
+    take_samples(samples, h.count(), channels, out.top = 255, out);
   } else if (!h.is_float) {
     const auto samples = in.samples<std::uint16_t>(Sample::UInt16, kMore);
-    room(), take_samples(samples, h.count(), channels, out.top = 65535, out);
+    room();
+    take_samples(samples, h.count(), channels, out.top = 65535, out);
   } else {
     const auto samples = in.samples<float>(Sample::Float, kMore);
-    room(), take_samples(samples, h.count(), channels, 1, out);
+    room();
+    take_samples(samples, h.count(), channels, 1, out);
   }
   return out;
 }

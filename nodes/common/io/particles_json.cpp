@@ -112,9 +112,12 @@ void add_shape(std::string& text, const Shape& s) {
     text += std::string(", \"") + name + "\": ";
     add_number(text, v);
   };
-  number("probability", s.probability), number("class", static_cast<std::int32_t>(s.cls));
-  number("volume", s.volume), number("surface_area", s.surface_area);
-  number("mean_caliper", s.mean_caliper), number("max_section_area", s.max_section_area);
+  number("probability", s.probability);
+  number("class", static_cast<std::int32_t>(s.cls));
+  number("volume", s.volume);
+  number("surface_area", s.surface_area);
+  number("mean_caliper", s.mean_caliper);
+  number("max_section_area", s.max_section_area);
   text += std::string(", \"smooth\": ") + (s.smooth ? "true" : "false") + ", \"mesh\": {\"vertices\": [";
   for (std::size_t k = 0; k < s.mesh.vertices.size(); ++k) {
     if (k > 0) text += ',';

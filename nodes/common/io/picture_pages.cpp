@@ -77,7 +77,9 @@ std::string counts_of_pages(const PicturePages& p) {
   const auto add = [&](int n, const char* what) {
     if (n > 1) text += fmt::format("{}{} {}", text.empty() ? "" : " × ", n, what);
   };
-  add(p.channels, "channels"), add(p.slices, "slices"), add(p.frames, "frames");
+  add(p.channels, "channels");
+  add(p.slices, "slices");
+  add(p.frames, "frames");
   return text + " (" + p.source + ")";
 }
 

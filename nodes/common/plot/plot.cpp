@@ -85,9 +85,11 @@ void collect(const Plot& plot, std::vector<double>& xs, std::vector<double>& ys,
     for (std::size_t i = 0; i < points_of(s); ++i) {
       if (!std::isfinite(s.x[i]) || !std::isfinite(s.y[i])) continue;
       if (is_bars && plot.log_x) {
-        xs.push_back(s.x[i] * std::exp(-half)), xs.push_back(s.x[i] * std::exp(half));
+        xs.push_back(s.x[i] * std::exp(-half));
+        xs.push_back(s.x[i] * std::exp(half));
       } else if (is_bars) {
-        xs.push_back(s.x[i] - half), xs.push_back(s.x[i] + half);
+        xs.push_back(s.x[i] - half);
+        xs.push_back(s.x[i] + half);
       } else {
         xs.push_back(s.x[i]);
       }

@@ -55,7 +55,8 @@ void ProfileSweep::start(const Vec3& direction) {
   by_low_.resize(ranked_.size());
   for (std::size_t t = 0; t < ranked_.size(); ++t) by_low_[bucket_[order_.rank(ranked_[t].low)]++] = t;
   next_ = 0;
-  active_.clear(), ranges_.clear();
+  active_.clear();
+  ranges_.clear();
 }
 
 const std::vector<ProfileRange>& ProfileSweep::sweep(const Vec3& direction) {

@@ -16,7 +16,8 @@ float Quantiles::of(double u) const {
 void Quantiles::widen(double factor) {
   const auto move = [&](float& v) { v = mean + (v - mean) * factor; };
   for (float& v : at) move(v);
-  move(least), move(most);
+  move(least);
+  move(most);
   deviation *= factor;
 }
 

@@ -148,7 +148,7 @@ double patch_distance(const TexturePart& a, const TexturePart& b, std::uint64_t 
 double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<PatchPicture>& b, double share,
                      const Work& work) {
   // One patch per column, and half of its squared norm.
-  static constexpr int n = 3 * kSide * kSide;
+  static constexpr int kValues = 3 * kSide * kSide;
   struct Columns {
     Eigen::MatrixXf patch;
     Eigen::VectorXf half;
@@ -158,7 +158,7 @@ double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<Patch
     for (const PatchPicture& p : pictures)
       for (const std::size_t at : corners_of(p)) corners.emplace_back(&p, at);
     const std::size_t count = std::min(most, corners.size());
-    Columns c{Eigen::MatrixXf(n, count), {}};
+    Columns c{Eigen::MatrixXf(kValues, count), {}};
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t lo = i * corners.size() / count, hi = (i + 1) * corners.size() / count;
       const auto& [p, at] = corners[lo + Random(11, stream, i).below(hi - lo)];
@@ -179,7 +179,7 @@ double nearest_patch(const std::vector<PatchPicture>& a, const std::vector<Patch
       const Eigen::Index column = i;
       const float least =
           (to.half - to.patch.transpose() * from.patch.col(column)).minCoeff() + from.half[column];
-      nearest[i] = std::sqrt(std::max(0.0f, 2 * least) / n);
+      nearest[i] = std::sqrt(std::max(0.0f, 2 * least) / kValues);
     }
   });
   std::sort(nearest.begin(), nearest.end());

@@ -63,7 +63,8 @@ Density reclassed(const Density& d, const std::vector<double>& from, const std::
 }  // namespace
 
 Comparison compare(const SizeDistribution& a, const SizeDistribution& b, const CompareOptions& choice) {
-  check(a, "a"), check(b, "b");
+  check(a, "a");
+  check(b, "b");
   Comparison out;
   Density da = summed(a), db = summed(b);
   std::vector<double> edges = a.class_edges;

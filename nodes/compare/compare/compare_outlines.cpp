@@ -70,9 +70,11 @@ PlotSeries curve(const Sample& s, int color) {
   line.color = color;
   double below = 0;
   for (const auto& [v, w] : s.values) {
-    line.x.push_back(v), line.y.push_back(below);
+    line.x.push_back(v);
+    line.y.push_back(below);
     below += w / s.weight;
-    line.x.push_back(v), line.y.push_back(std::min(below, 1.0));
+    line.x.push_back(v);
+    line.y.push_back(std::min(below, 1.0));
   }
   return line;
 }

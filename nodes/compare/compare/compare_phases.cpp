@@ -203,8 +203,10 @@ void compare_phases(const Labels& a, const Labels& b, const CompareOptions& choi
     plot.y_label = "share";
     for (const Curve* c : {&of_a[q], &of_b[q]}) {
       PlotSeries s;
-      for (int k = 0; k < kDistances; ++k)
-        s.x.push_back(reach * k / (kDistances - 1)), s.y.push_back((*c)[k]);
+      for (int k = 0; k < kDistances; ++k) {
+        s.x.push_back(reach * k / (kDistances - 1));
+        s.y.push_back((*c)[k]);
+      }
       s.color = c == &of_b[q];
       plot.series.push_back(s);
     }

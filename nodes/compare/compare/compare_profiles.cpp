@@ -190,7 +190,8 @@ MeanColor mean_color(const Profiles& p) {
 }  // namespace
 
 Comparison compare(const Profiles& a, const Profiles& b, const CompareOptions& choice) {
-  check(a, "a"), check(b, "b");
+  check(a, "a");
+  check(b, "b");
   Comparison out;
   if (choice.size_classes) compare_sizes(a, b, choice, out);
   if (choice.area_fraction) compare_fractions(a, b, out);

@@ -127,8 +127,10 @@ void compare_bands(const Texture& a, const Texture& b, Comparison& out, const Wo
     out.numbers.push_back({"bands", name + ", deviation", "Oklab L", 0, 0, m.a[s].deviation, m.b[s].deviation,
                            m.floor[m.a.size() + s]});
     out.numbers.push_back({"bands", name + ", W1/σ", "", 0, 0, 0, m.found[s], m.floor[s]});
-    left.x.push_back(static_cast<double>(s)), left.y.push_back(m.a[s].deviation);
-    right.x.push_back(static_cast<double>(s)), right.y.push_back(m.b[s].deviation);
+    left.x.push_back(static_cast<double>(s));
+    left.y.push_back(m.a[s].deviation);
+    right.x.push_back(static_cast<double>(s));
+    right.y.push_back(m.b[s].deviation);
     left.low.push_back(std::max(0.0, m.a[s].deviation - m.floor[m.a.size() + s]));
     left.high.push_back(m.a[s].deviation + m.floor[m.a.size() + s]);
   }
@@ -208,8 +210,10 @@ void compare_phases(const Texture& a, const Texture& b, const CompareOptions& ch
     plot.y_label = "share";
     for (const Values* v : {&va, &vb}) {
       PlotSeries s;
-      for (std::size_t r = 0; r < v->size(); ++r)
-        s.x.push_back(static_cast<double>(r)), s.y.push_back((*v)[r]);
+      for (std::size_t r = 0; r < v->size(); ++r) {
+        s.x.push_back(static_cast<double>(r));
+        s.y.push_back((*v)[r]);
+      }
       s.color = v == &vb;
       plot.series.push_back(s);
     }

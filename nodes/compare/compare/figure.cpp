@@ -30,9 +30,12 @@ Plot bars_of(const Comparison& c, const std::string& name_a, const std::string& 
   for (const auto& n : c.numbers) {
     if (!(n.upper > n.lower)) continue;
     const double x = (n.lower + n.upper) / 2;
-    a.x.push_back(x), b.x.push_back(x);
-    a.y.push_back(n.a), b.y.push_back(n.b);
-    a.low.push_back(std::max(0.0, n.a - n.tolerance)), a.high.push_back(n.a + n.tolerance);
+    a.x.push_back(x);
+    b.x.push_back(x);
+    a.y.push_back(n.a);
+    b.y.push_back(n.b);
+    a.low.push_back(std::max(0.0, n.a - n.tolerance));
+    a.high.push_back(n.a + n.tolerance);
     plot.y_label = (n.item.starts_with("N_V") ? "N_V per class"
                     : n.unit.empty()          ? "share per class"
                                               : "N_A per class") +

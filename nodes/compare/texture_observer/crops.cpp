@@ -105,8 +105,10 @@ std::vector<CropCell> cells_of(int width, int height, int sections, bool right, 
   const std::size_t odd = std::count_if(cells.begin(), cells.end(), [](const CropCell& c) { return c.odd; });
   const std::size_t even = cells.size() - odd, pairs = std::min(even, odd);
   std::vector<CropCell> mixed;
-  for (std::size_t i = 0; i < pairs; ++i)
-    mixed.push_back(std::move(cells[i])), mixed.push_back(std::move(cells[even + i]));
+  for (std::size_t i = 0; i < pairs; ++i) {
+    mixed.push_back(std::move(cells[i]));
+    mixed.push_back(std::move(cells[even + i]));
+  }
   for (std::size_t i = pairs; i < even; ++i) mixed.push_back(std::move(cells[i]));
   for (std::size_t i = even + pairs; i < cells.size(); ++i) mixed.push_back(std::move(cells[i]));
   return mixed;

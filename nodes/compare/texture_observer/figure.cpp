@@ -87,8 +87,10 @@ Image gallery_of(const Verdict& v, const std::array<const Halves*, 2>& pictures,
 }
 
 void add_bar(PlotSeries& s, std::size_t x, const Accuracy& a) {
-  s.x.push_back(x), s.y.push_back(100 * a.share);
-  s.low.push_back(100 * (a.share - a.error)), s.high.push_back(100 * std::min(1.0, a.share + a.error));
+  s.x.push_back(x);
+  s.y.push_back(100 * a.share);
+  s.low.push_back(100 * (a.share - a.error));
+  s.high.push_back(100 * std::min(1.0, a.share + a.error));
 }
 
 Plot bars_of(const std::array<Verdict, 2>& verdicts) {
@@ -108,7 +110,8 @@ Plot bars_of(const std::array<Verdict, 2>& verdicts) {
   alone.color = 5;
   chance.color = 1;
   for (const Verdict& v : verdicts) {
-    add_bar(all, plot.x_words.size(), v.accuracy), add_bar(control, plot.x_words.size(), v.control);
+    add_bar(all, plot.x_words.size(), v.accuracy);
+    add_bar(control, plot.x_words.size(), v.control);
     plot.x_words.push_back(v.observer);
     for (const auto& g : v.groups) {
       add_bar(alone, plot.x_words.size(), g.accuracy);
@@ -127,7 +130,8 @@ Image figure_of(const std::array<Verdict, 2>& verdicts, const Verdict& shown, co
                 const Halves& b, const std::array<std::string, 2>& names) {
   const Image gallery = gallery_of(shown, {&a, &b}, names), bars = draw(bars_of(verdicts));
   Image out(kWidth, gallery.height + bars.height, 1, 1, Vec3f::Ones());
-  paste(out, gallery, 0, 0), paste(out, bars, 0, gallery.height);
+  paste(out, gallery, 0, 0);
+  paste(out, bars, 0, gallery.height);
   return out;
 }
 

@@ -45,7 +45,8 @@ std::array<Trial, 2> trials_of(const std::array<const Halves*, 2>& pictures,
       trials[half].judge[k] = rows_of((*pictures[k])[1 - half], colors[k], true);
     }
     trials[half].judged_half = 1 - half;
-    balance(trials[half].learn), balance(trials[half].judge);
+    balance(trials[half].learn);
+    balance(trials[half].judge);
   }
   return trials;
 }

@@ -84,7 +84,9 @@ void put_lightness(Reader& r) {
     square += (v - mean) * (v - mean) / n;
     cube += std::pow(v - mean, 3) / n;
   }
-  r.put(mean), r.put(std::sqrt(square)), r.put(cube / std::pow(square + kRoundingVariance, 1.5));
+  r.put(mean);
+  r.put(std::sqrt(square));
+  r.put(cube / std::pow(square + kRoundingVariance, 1.5));
   for (double u : kRanks) r.put(quantile_of(light, u));
 }
 
@@ -102,7 +104,10 @@ void put_color(Reader& r) {
   mean /= n;
   const Eigen::Matrix3d covariance = product / n - mean * mean.transpose();
   const Eigen::Array3d deviation = covariance.diagonal().array().max(0).sqrt();
-  r.put(mean[1]), r.put(mean[2]), r.put(deviation[1]), r.put(deviation[2]);
+  r.put(mean[1]);
+  r.put(mean[2]);
+  r.put(deviation[1]);
+  r.put(deviation[2]);
   for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)})
     r.put(covariance(i, j) / (deviation[i] * deviation[j] + kRoundingVariance));
   std::sort(chroma.begin(), chroma.end());
@@ -126,9 +131,12 @@ const std::vector<FeatureGroup>& pattern_groups() {
     const auto add = [&](const char* name, std::size_t count) {
       g.push_back({name, g.empty() ? 0 : g.back().first + g.back().count, static_cast<int>(count)});
     };
-    add("lightness", 3 + kRanks.size()), add("color", 10);
-    add("edges", kEdgeSteps.size() * kEdgeBins), add("direction", kEdgeSteps.size() * kDirections);
-    add("sharpness", kBandSteps.size()), add("color detail", 2 * kColorSteps.size());
+    add("lightness", 3 + kRanks.size());
+    add("color", 10);
+    add("edges", kEdgeSteps.size() * kEdgeBins);
+    add("direction", kEdgeSteps.size() * kDirections);
+    add("sharpness", kBandSteps.size());
+    add("color detail", 2 * kColorSteps.size());
     add("local patterns", kRadii.size() * kLocalPatterns);
     return g;
   }();
@@ -149,7 +157,8 @@ Eigen::MatrixXd pattern_features(const CropSet& set, const Work& work) {
       for (int radius : kRadii) patterns.push_back(local_patterns(patch, radius));
       for (std::size_t i = first[c]; i < first[c + 1]; ++i) {
         Reader r{patch, set.crops[i].x, set.crops[i].y, set.crop, Eigen::VectorXd(width)};
-        put_lightness(r), put_color(r);
+        put_lightness(r);
+        put_color(r);
         for (std::size_t k = 0; k < kEdgeSteps.size(); ++k)
           put_histogram(r, kEdgeBins, kEdgeSteps[k], edges[k].bin);
         for (std::size_t k = 0; k < kEdgeSteps.size(); ++k)

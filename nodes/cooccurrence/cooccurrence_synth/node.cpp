@@ -28,7 +28,10 @@ Image figure_of(const SynthResult& r) {
         if (r.sweeps.front().stride > 1)
           series.name = s.stride > 1 ? fmt::format("one of {} pixels", s.stride) : "every pixel";
       }
-    if (s.error > 0) error.series.back().x.push_back(s.sweep), error.series.back().y.push_back(s.error);
+    if (s.error > 0) {
+      error.series.back().x.push_back(s.sweep);
+      error.series.back().y.push_back(s.error);
+    }
     if (s.sweep > 0)
       changed.series.back().x.push_back(s.sweep),
           changed.series.back().y.push_back(static_cast<double>(s.changed));

@@ -154,7 +154,8 @@ class Filler {
          const Work& work)
       : s_(source), t_(target), seed_(seed), stream_(stream), work_(work), depth_(depth_of(target)) {
     known_.assign(t_.state.size(), 0);
-    match_.assign(t_.state.size(), -1), distance_.assign(t_.state.size(), 0);
+    match_.assign(t_.state.size(), -1);
+    distance_.assign(t_.state.size(), 0);
     // Find the patches that overlap the hole.
     std::vector<std::uint8_t> near(t_.state.size(), 0);
     for (int y = 0; y < t_.height; ++y)

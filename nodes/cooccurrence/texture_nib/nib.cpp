@@ -25,7 +25,9 @@ Nib::Nib(Image picture, NibTexture texture, DabOptions dab_settings)
   level_.assign(padded, static_cast<std::uint8_t>(levels));
   painted_.assign(padded, 0);
   const auto n = pixels_in(picture_.width, picture_.height);
-  occupied_.assign(n, 0), base_.assign(n, kNoLevel), source_.assign(n, -1);
+  occupied_.assign(n, 0);
+  base_.assign(n, kNoLevel);
+  source_.assign(n, -1);
   position_ = texture_.positions;
   std::vector<std::uint8_t> inside(n);
   for (std::size_t i = 0; i < n; ++i) inside[i] = texture_.level[i] != kNoLevel;
@@ -42,7 +44,8 @@ Nib::Nib(Image picture, NibTexture texture, DabOptions dab_settings)
   }
   for (const auto& o : texture_.offsets)
     step_.push_back(static_cast<std::ptrdiff_t>(o.y()) * stride_ + o.x());
-  by_home_.assign(texture_.by_home.size(), 0), by_remote_.assign(texture_.by_home.size(), 0);
+  by_home_.assign(texture_.by_home.size(), 0);
+  by_remote_.assign(texture_.by_home.size(), 0);
   pairs_.assign(step_.size(), 0);
 }
 

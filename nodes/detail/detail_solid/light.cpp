@@ -170,7 +170,10 @@ void split_phase(Phases& p, int phase, const residual::Outlines& outlines, const
         rim.up[k] = rim.up[k + 1];
       }
     }
-    for (auto* values : {&rim.right, &rim.up}) smooth(*values), fade(*values, 32);
+    for (auto* values : {&rim.right, &rim.up}) {
+      smooth(*values);
+      fade(*values, 32);
+    }
   }
   each([&](std::size_t i) {
     p.offset[i] -= Detail::light_at(rims, outlines.depth[i], size_at(i), outlines.normal[i]);

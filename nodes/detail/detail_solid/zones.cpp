@@ -166,7 +166,8 @@ std::vector<std::uint8_t> near_edges(const Phases& p, std::size_t first) {
     light.data[i] = p.zone[first + i] == 2;
   }
   const cv::Mat around = cv::Mat::ones(2 * kBetween + 1, 2 * kBetween + 1, CV_8U);
-  cv::dilate(dark, dark, around), cv::dilate(light, light, around);
+  cv::dilate(dark, dark, around);
+  cv::dilate(light, light, around);
   std::vector<std::uint8_t> out(p.plane());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = dark.data[i] && light.data[i];
   return out;
@@ -209,8 +210,10 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
     return;
   }
   for (std::size_t k = 0; k < kWidths.size(); ++k)
-    if (const double v = variance[k] / variance.sum(); v > 1e-3)
-      zones.sigma.push_back(kWidths[k]), zones.variance.push_back(v);
+    if (const double v = variance[k] / variance.sum(); v > 1e-3) {
+      zones.sigma.push_back(kWidths[k]);
+      zones.variance.push_back(v);
+    }
   std::vector<std::uint8_t> between;
   for (int s = 0; s < p.sections; ++s) {
     const auto one = near_edges(p, s * p.plane());

@@ -33,7 +33,8 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
         of_b = b > 0 ? b : std::max(of_b, a);
         any = true;
       };
-      differ(x + 1, y), differ(x, y + 1);
+      differ(x + 1, y);
+      differ(x, y + 1);
     }
   const std::size_t pixels = pixels_in(width, height);
   Outlines out;
@@ -49,7 +50,9 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
     for (int x = 0; x < w; ++x)
       if (inside.at<std::uint8_t>(y, x) == 0)
         owner[nearest.at<std::int32_t>(y, x)] = particle.at<std::int32_t>(y, x);
-  out.depth.resize(pixels), out.particle.resize(pixels), out.normal.resize(pixels);
+  out.depth.resize(pixels);
+  out.particle.resize(pixels);
+  out.normal.resize(pixels);
   cv::Mat depth(h, w, CV_32F);  // positive within particles
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {

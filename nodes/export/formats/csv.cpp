@@ -63,8 +63,14 @@ std::string csv_of(const Profiles& profiles) {
   Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "confidence",
              "color_r", "color_g", "color_b"});
   for (const auto& p : profiles.profiles) {
-    out.integer(p.section), out.integer(p.cls), out.number(p.area), out.vector(p.centroid);
-    out.integer(p.touches_border), out.number(p.weight), out.number(p.confidence), out.vector(p.color);
+    out.integer(p.section);
+    out.integer(p.cls);
+    out.number(p.area);
+    out.vector(p.centroid);
+    out.integer(p.touches_border);
+    out.number(p.weight);
+    out.number(p.confidence);
+    out.vector(p.color);
     out.end();
   }
   return out.take();
@@ -74,10 +80,15 @@ std::string csv_of(const Particles& particles) {
   Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
              "color_g", "color_b", "void"});
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    out.integer(i), out.integer(particles.shape[i]), out.integer(particles.cls[i]);
+    out.integer(i);
+    out.integer(particles.shape[i]);
+    out.integer(particles.cls[i]);
     out.vector(particles.position[i]);
-    out.number(particles.orientation[i].w()), out.vector(particles.orientation[i].vec());
-    out.number(particles.scale[i]), out.number(particles.size[i]), out.vector(particles.color[i]);
+    out.number(particles.orientation[i].w());
+    out.vector(particles.orientation[i].vec());
+    out.number(particles.scale[i]);
+    out.number(particles.size[i]);
+    out.vector(particles.color[i]);
     out.integer(particles.is_void(i));
     out.end();
   }
@@ -88,9 +99,13 @@ std::string csv_of(const SizeDistribution& distribution) {
   Lines out({"shape", "class", "size_low", "size_high", "N_V", "low", "high"});
   for (const auto& entry : distribution.shapes)
     for (std::size_t k = 0; k < entry.N_V.size(); ++k) {
-      out.integer(entry.shape), out.integer(entry.cls);
-      out.number(distribution.class_edges.at(k)), out.number(distribution.class_edges.at(k + 1));
-      out.number(entry.N_V[k]), out.number(entry.low.at(k)), out.number(entry.high.at(k));
+      out.integer(entry.shape);
+      out.integer(entry.cls);
+      out.number(distribution.class_edges.at(k));
+      out.number(distribution.class_edges.at(k + 1));
+      out.number(entry.N_V[k]);
+      out.number(entry.low.at(k));
+      out.number(entry.high.at(k));
       out.end();
     }
   return out.take();
@@ -102,7 +117,8 @@ std::string csv_of(const KMatrix& kmatrix) {
   Lines out(header);
   for (std::size_t s = 0; s < kmatrix.shapes.size(); ++s)
     for (Eigen::Index i = 0; i < kmatrix.shapes[s].K.rows(); ++i) {
-      out.integer(s), out.integer(i + 1);
+      out.integer(s);
+      out.integer(i + 1);
       for (Eigen::Index j = 0; j < kmatrix.shapes[s].K.cols(); ++j) out.number(kmatrix.shapes[s].K(i, j));
       out.end();
     }
@@ -113,7 +129,8 @@ std::string csv_of(const Shapes& shapes) {
   Lines out({"name", "probability", "vertices", "triangles", "volume", "surface_area", "mean_caliper",
              "max_section_area"});
   for (const auto& s : shapes.shapes) {
-    out.word(s.name), out.number(s.probability);
+    out.word(s.name);
+    out.number(s.probability);
     out.integer(s.mesh.vertices.size());
     out.integer(s.mesh.triangles.size());
     out.number(s.volume), out.number(s.surface_area), out.number(s.mean_caliper),

@@ -160,7 +160,8 @@ void add_features(Hdf5Output& file, const Dream3dContent& content) {
   std::vector<std::uint8_t> active;
   std::vector<float> volumes, diameters, sizes, colors, quaternions, angles;
   for (const Region& r : all) {
-    phases.push_back(r.phase), particle.push_back(r.particle);
+    phases.push_back(r.phase);
+    particle.push_back(r.particle);
     elements.push_back(static_cast<std::int32_t>(std::min<std::size_t>(r.voxels, 0x7fffffff)));
     active.push_back(phases.size() > 1);
     const double volume = r.voxels * voxel;
@@ -223,7 +224,10 @@ void write_dream3d(const std::filesystem::path& path, const Dream3dContent& cont
   file.group("/Pipeline");
   add_geometry(file, content.box);
   add_cells(file, content, work);
-  if (content.regions) add_features(file, content), add_ensembles(file, *content.regions);
+  if (content.regions) {
+    add_features(file, content);
+    add_ensembles(file, *content.regions);
+  }
   if (!content.provenance.empty()) file.text("/Terrazzo/Provenance", content.provenance);
   file.finish();
 }

@@ -119,18 +119,24 @@ tinygltf::Primitive GltfPacker::primitive(const Shape& shape, bool textured) {
   if (textured && !shape.uv.empty()) {  // every corner has its own coordinates, so it is a vertex
     RenderMesh split;
     for (std::size_t i = 0; i < m.indices.size(); ++i) {
-      split.positions.push_back(m.positions[m.indices[i]]), split.normals.push_back(m.normals[m.indices[i]]);
+      split.positions.push_back(m.positions[m.indices[i]]);
+      split.normals.push_back(m.normals[m.indices[i]]);
       split.indices.push_back(i);
       const Eigen::Vector2f& at = shape.uv[m.triangle[i / 3]][i % 3];
-      uv.push_back(at.x()), uv.push_back(at.y());
+      uv.push_back(at.x());
+      uv.push_back(at.y());
     }
     m = std::move(split);
   }
   std::vector<float> position, normal;
-  position.reserve(m.positions.size() * 3), normal.reserve(m.positions.size() * 3);
+  position.reserve(m.positions.size() * 3);
+  normal.reserve(m.positions.size() * 3);
   for (std::size_t v = 0; v < m.positions.size(); ++v) {
     const Vec3 p = y_up(m.positions[v]) * kMetersPerMm, n = y_up(m.normals[v]);
-    for (int k = 0; k < 3; ++k) position.push_back(float(p[k])), normal.push_back(float(n[k]));
+    for (int k = 0; k < 3; ++k) {
+      position.push_back(float(p[k]));
+      normal.push_back(float(n[k]));
+    }
   }
   tinygltf::Primitive out;
   out.mode = TINYGLTF_MODE_TRIANGLES;

@@ -205,7 +205,10 @@ void write_inp(const std::filesystem::path& path, const VoxelSource& id, const V
       if (regions.all[r].voxels == 0) continue;
       text.add("*ELEMENT, TYPE=C3D8, ELSET={}\n", regions.all[r].name());
       for (std::size_t e = elements.start[r]; e < elements.start[r + 1]; ++e) {
-        if (e % 65536 == 0) element_work.check(), element_work.progress(double(e) / double(box.count()));
+        if (e % 65536 == 0) {
+          element_work.check();
+          element_work.progress(double(e) / double(box.count()));
+        }
         const std::size_t v = elements.voxel[e];
         const std::int64_t step = nodes.n.x(), layer = step * nodes.n.y();
         const std::int64_t a = nodes.label(static_cast<int>(v % nx), static_cast<int>(v / nx % box.size.y()),
@@ -259,7 +262,8 @@ void write_periodic_inp(const std::filesystem::path& path, const VoxelBox& box, 
             if (at[a] == last[a]) {
               Vec3i corner = Vec3i::Zero();
               corner[a] = last[a];
-              add(nodes.label(corner), -1), add(nodes.label(0, 0, 0), 1);
+              add(nodes.label(corner), -1);
+              add(nodes.label(0, 0, 0), 1);
             }
           if (terms[0].second == 0) continue;  // a corner that carries the deformation
           std::size_t used = 0;

@@ -72,13 +72,19 @@ void write_msh(const std::filesystem::path& path, const SurfaceNet& net, const R
     for (std::size_t k = 0; k < names.size(); ++k) out << fmt::format("2 {} \"{}\"\n", k + 1, names[k]);
     out << "$EndPhysicalNames\n$Nodes\n" << net.nodes.size() << '\n';
     for (std::size_t n = 0; n < net.nodes.size(); ++n) {
-      if (n % 65536 == 0) work.check(), work.progress(0.4 * double(n) / double(net.nodes.size()));
+      if (n % 65536 == 0) {
+        work.check();
+        work.progress(0.4 * double(n) / double(net.nodes.size()));
+      }
       const Vec3& p = net.nodes[n];
       out << fmt::format("{} {} {} {}\n", n + 1, p.x(), p.y(), p.z());
     }
     out << "$EndNodes\n$Elements\n" << net.corners.size() << '\n';
     for (std::size_t t = 0; t < net.corners.size(); ++t) {
-      if (t % 65536 == 0) work.check(), work.progress(0.4 + 0.5 * double(t) / double(net.corners.size()));
+      if (t % 65536 == 0) {
+        work.check();
+        work.progress(0.4 + 0.5 * double(t) / double(net.corners.size()));
+      }
       const auto& c = net.corners[t];
       const std::int32_t patch = net.patch_of[t];
       out << fmt::format("{} {} {} {} {} {} {} {}\n", t + 1, kTriangle, kTags, tags[patch], patch + 1,
@@ -145,7 +151,10 @@ void write_surface_stl(const std::filesystem::path& path, const SurfaceNet& net,
     const std::uint32_t triangles = count;
     out.write(header, sizeof header).write(reinterpret_cast<const char*>(&triangles), 4);
     for (std::size_t t = 0; t < net.corners.size(); ++t) {
-      if (t % 65536 == 0) work.check(), work.progress(double(t) / double(net.corners.size()));
+      if (t % 65536 == 0) {
+        work.check();
+        work.progress(double(t) / double(net.corners.size()));
+      }
       const int w = way[net.patch_of[t]];
       if (w == 0) continue;
       std::array<std::int32_t, 3> c = net.corners[t];

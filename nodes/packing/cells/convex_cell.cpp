@@ -13,8 +13,11 @@ ConvexCell convert(voro::voronoicell_neighbor& cell, double unit) {
   c.centroid *= unit;
   std::vector<double> corners, areas, normals;
   std::vector<int> neighbors, loops;
-  cell.vertices(corners), cell.face_areas(areas), cell.normals(normals);
-  cell.neighbors(neighbors), cell.face_vertices(loops);
+  cell.vertices(corners);
+  cell.face_areas(areas);
+  cell.normals(normals);
+  cell.neighbors(neighbors);
+  cell.face_vertices(loops);
   for (std::size_t k = 0; k + 2 < corners.size(); k += 3)
     c.corners.push_back(unit * Vec3(corners[k], corners[k + 1], corners[k + 2]));
   for (std::size_t f = 0, at = 0; f < neighbors.size(); at += loops[at] + 1, ++f) {

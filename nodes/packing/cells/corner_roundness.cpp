@@ -45,7 +45,10 @@ double measure_roundness(const Profiles& profiles) {
     const double blur = std::min(
         0.05, std::hypot(kRelativeBlur, kPixelSteps * pixel_step(p.contour) / loop_perimeter(p.contour)));
     const double bend = bend_of(p.contour, blur);
-    if (bend > 0) bends.push_back(bend), blurs.push_back(blur);
+    if (bend > 0) {
+      bends.push_back(bend);
+      blurs.push_back(blur);
+    }
   }
   if (bends.size() < 3) return 0;
   const double bend = median(std::move(bends)), blur = median(std::move(blurs));

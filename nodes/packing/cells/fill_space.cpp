@@ -164,7 +164,8 @@ void Filler::pack_cores(double factor, const Work& work) {
   packed.orientation = p.orientation;
   std::vector<double> radius;
   for (std::size_t i = 0; i < p.count(); ++i) {
-    packed.scale.push_back(factor * p.scale[i]), packed.size.push_back(factor * p.size[i]);
+    packed.scale.push_back(factor * p.scale[i]);
+    packed.size.push_back(factor * p.size[i]);
     radius.push_back(std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[p.shape[i]].volume) *
                      packed.scale[i]);
   }

@@ -37,7 +37,8 @@ std::vector<Vec3> farthest_vertices(const Mesh& mesh) {
         bottom = v;
       }
     }
-    found.push_back(top), found.push_back(bottom);
+    found.push_back(top);
+    found.push_back(bottom);
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());

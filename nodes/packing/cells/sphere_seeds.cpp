@@ -24,7 +24,8 @@ Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint
   packing::Packing packed;
   packed.box = box;
   packed.shape.assign(n, 0);
-  packed.position.resize(n), packed.orientation.assign(n, Quat::Identity());
+  packed.position.resize(n);
+  packed.orientation.assign(n, Quat::Identity());
   std::vector<double> radius;
   for (std::size_t i : order) {
     const double r = std::cbrt(0.75 / std::numbers::pi * volume[i] / total * fraction * box.prod());
@@ -43,7 +44,8 @@ Seeds sphere_seeds(const Vec3& box, const std::vector<double>& volume, std::uint
 
   Seeds seeds;
   seeds.box = box;
-  seeds.position.resize(n), seeds.weight.resize(n);
+  seeds.position.resize(n);
+  seeds.weight.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     seeds.position[order[k]] = packed.position[k];
     seeds.weight[order[k]] = radius[k] * radius[k];

@@ -35,8 +35,10 @@ const Histogram* find(const std::vector<Histogram>& all, const std::string& name
 
 PlotSeries bars_of(const Histogram& h, std::string name, int color) {
   PlotSeries s = series_of(Kind::Bars, std::move(name), color);
-  for (std::size_t k = 0; k < h.share.size(); ++k)
-    s.x.push_back((h.edges[k] + h.edges[k + 1]) / 2), s.y.push_back(h.share[k]);
+  for (std::size_t k = 0; k < h.share.size(); ++k) {
+    s.x.push_back((h.edges[k] + h.edges[k + 1]) / 2);
+    s.y.push_back(h.share[k]);
+  }
   return s;
 }
 
@@ -57,8 +59,10 @@ void add_particle_plots(const std::vector<Histogram>& all, std::vector<Plot>& pl
   for (const Histogram& h : all) {
     if (h.expected.empty()) continue;
     PlotSeries s = series_of(Kind::Line, h.name.substr(h.name.size() - 1), color++);
-    for (std::size_t k = 0; k < h.share.size(); ++k)
-      s.x.push_back((h.edges[k] + h.edges[k + 1]) / 2), s.y.push_back(h.share[k] / h.expected[k]);
+    for (std::size_t k = 0; k < h.share.size(); ++k) {
+      s.x.push_back((h.edges[k] + h.edges[k + 1]) / 2);
+      s.y.push_back(h.share[k] / h.expected[k]);
+    }
     orientation.series.push_back(s);
   }
   if (!orientation.series.empty()) plots.push_back(orientation);
@@ -77,16 +81,22 @@ void add_correlation_plots(const Correlation& c, std::vector<Plot>& plots) {
     PlotSeries s = series_of(Kind::Line, name, a), l = s;
     for (std::size_t k = 0; k < c.mean.size(); ++k) {
       const double r = k * c.step;
-      s.x.push_back(r), s.y.push_back(c.two_point[a][k]);
-      if (c.lineal_path[a][k] > kLeastPath) l.x.push_back(r), l.y.push_back(c.lineal_path[a][k]);
+      s.x.push_back(r);
+      s.y.push_back(c.two_point[a][k]);
+      if (c.lineal_path[a][k] > kLeastPath) {
+        l.x.push_back(r);
+        l.y.push_back(c.lineal_path[a][k]);
+      }
     }
-    two.series.push_back(s), path.series.push_back(l);
+    two.series.push_back(s);
+    path.series.push_back(l);
   }
   PlotSeries mean = series_of(Kind::Line, "all directions", 3);
   mean.x = c.length;
   mean.y = c.mean;
   two.series.push_back(mean);
-  plots.push_back(two), plots.push_back(path);
+  plots.push_back(two);
+  plots.push_back(path);
 }
 
 void add_subvolume_plot(const Representative& r, std::vector<Plot>& plots) {
@@ -97,10 +107,14 @@ void add_subvolume_plot(const Representative& r, std::vector<Plot>& plots) {
              expected = series_of(Kind::Line, "from integral range", 1);
   for (const Subvolumes& s : r.table) {
     if (!(s.deviation > 0)) continue;
-    measured.x.push_back(s.edge), measured.y.push_back(s.deviation);
+    measured.x.push_back(s.edge);
+    measured.y.push_back(s.deviation);
     measured.low.push_back(std::max(s.deviation - s.error, 0.1 * s.deviation));
     measured.high.push_back(s.deviation + s.error);
-    if (s.expected > 0) expected.x.push_back(s.edge), expected.y.push_back(s.expected);
+    if (s.expected > 0) {
+      expected.x.push_back(s.edge);
+      expected.y.push_back(s.expected);
+    }
   }
   p.series = {measured, expected};
   if (!measured.x.empty()) plots.push_back(p);

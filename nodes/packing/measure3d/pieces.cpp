@@ -171,7 +171,8 @@ Phases split_phases(Raster& raster, const Work& work) {
     const Piece& piece = pieces.all[k];
     if (!std::binary_search(out.labels.begin(), out.labels.end(), piece.label)) continue;
     renamed[k] = out.first + static_cast<std::int32_t>(out.label_of.size());
-    out.label_of.push_back(piece.label), out.spans.push_back(piece.spans);
+    out.label_of.push_back(piece.label);
+    out.spans.push_back(piece.spans);
   }
   const std::size_t nx = raster.box.size.x();
   for (std::size_t row = 0; row + 1 < runs.row_begin.size(); ++row)

@@ -126,13 +126,16 @@ Table summary_of(const Findings& f) {
   };
   const auto add_mean = [&](const std::string& name, const std::vector<double>& v, const char* unit) {
     const Mean m = mean_of(v);
-    add("mean " + name, m.mean, m.error, unit), add("sd of " + name, m.deviation, NAN, unit);
+    add("mean " + name, m.mean, m.error, unit);
+    add("sd of " + name, m.deviation, NAN, unit);
   };
   const auto volumes = values_of(f, [](const Body& b) { return b.volume; });
   if (!volumes.empty()) {
     const double n = volumes.size();
-    add("particles", n, NAN, ""), add("particles per volume", n / f.volume, NAN, "1/mm³");
-    add_mean("volume", volumes, "mm³"), add_mean("diameter", values_of(f, diameter_of), "mm");
+    add("particles", n, NAN, "");
+    add("particles per volume", n / f.volume, NAN, "1/mm³");
+    add_mean("volume", volumes, "mm³");
+    add_mean("diameter", values_of(f, diameter_of), "mm");
     add_mean("elongation", values_of(f, elongation_of), "");
     add_mean("flatness", values_of(f, flatness_of), "");
     const Mat3 tensor = orientation_tensor(f);
@@ -143,8 +146,12 @@ Table summary_of(const Findings& f) {
     add("nematic order", 1.5 * eigen_axes(tensor).eigenvalues()[2] - 0.5, NAN, "");
     std::vector<double> contacts, area, between;
     for (std::size_t k = 0; k < f.bodies.size(); ++k)
-      if (f.counted[k]) contacts.push_back(f.neighbors[k]), area.push_back(f.contact_area[k]);
-    add_mean("contacts", contacts, ""), add_mean("contact area of a particle", area, "mm²");
+      if (f.counted[k]) {
+        contacts.push_back(f.neighbors[k]);
+        area.push_back(f.contact_area[k]);
+      }
+    add_mean("contacts", contacts, "");
+    add_mean("contact area of a particle", area, "mm²");
     for (const Touch& touch : f.touches) between.push_back(touch.area);
     if (!between.empty()) add_mean("contact area of a pair", between, "mm²");
     if (f.gap > 0) {

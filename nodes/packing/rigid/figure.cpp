@@ -19,8 +19,10 @@ Plot plot_of_sizes(const Table& sizes, const std::string& requested_name, const 
   achieved.color = 1;
   for (const auto& row : sizes.rows) {
     const double middle = 0.5 * (number(row[0]) + number(row[1]));
-    requested.x.push_back(middle), requested.y.push_back(number(row[2]));
-    achieved.x.push_back(middle), achieved.y.push_back(number(row[3]));
+    requested.x.push_back(middle);
+    requested.y.push_back(number(row[2]));
+    achieved.x.push_back(middle);
+    achieved.y.push_back(number(row[3]));
   }
   by_size.series = {requested, achieved};
   return by_size;
@@ -33,7 +35,10 @@ Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sectio
   pairs.x_label = "distance, mm";
   pairs.y_label = "g";
   PlotSeries g;
-  for (const auto& row : correlation.rows) g.x.push_back(number(row[0])), g.y.push_back(number(row[1]));
+  for (const auto& row : correlation.rows) {
+    g.x.push_back(number(row[0]));
+    g.y.push_back(number(row[1]));
+  }
   pairs.series = {g};
 
   Plot cuts;
@@ -44,7 +49,10 @@ Image figure_of(const Table& sizes, const Table& correlation, const Vec3& sectio
   cuts.width = 360;
   PlotSeries bars;
   bars.kind = PlotSeries::Kind::Bars;
-  for (int a = 0; a < 3; ++a) bars.x.push_back(a), bars.y.push_back(sections_per_area[a]);
+  for (int a = 0; a < 3; ++a) {
+    bars.x.push_back(a);
+    bars.y.push_back(sections_per_area[a]);
+  }
   cuts.series = {bars};
   return draw({by_size, pairs, cuts}, 3);
 }

@@ -23,9 +23,14 @@ constexpr int kAuditRounds = 60;
 constexpr double kReserve = 0.25;  // share of the steps that is left for corrections by the audit
 
 void reorder_all(Particles& p, const std::vector<std::int32_t>& order) {
-  reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
-  reorder(p.color, order), reorder(p.voids, order);
-  reorder(p.position, order), reorder(p.orientation, order);
+  reorder(p.shape, order);
+  reorder(p.cls, order);
+  reorder(p.scale, order);
+  reorder(p.size, order);
+  reorder(p.color, order);
+  reorder(p.voids, order);
+  reorder(p.position, order);
+  reorder(p.orientation, order);
 }
 
 Population population_of(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
@@ -94,10 +99,14 @@ void Packer::place() {
 
 // Reorders the particles while they are packed; run() restores the original order.
 void Packer::sort(const std::vector<std::int32_t>& order) {
-  reorder_all(population_.particles, order), reorder(population_.size_class, order);
+  reorder_all(population_.particles, order);
+  reorder(population_.size_class, order);
   reorder(index_, order);
-  reorder(packing_.position, order), reorder(packing_.orientation, order);
-  reorder(packing_.shape, order), reorder(packing_.scale, order), reorder(packing_.size, order);
+  reorder(packing_.position, order);
+  reorder(packing_.orientation, order);
+  reorder(packing_.shape, order);
+  reorder(packing_.scale, order);
+  reorder(packing_.size, order);
 }
 
 std::vector<std::int32_t> Packer::original_order() const {

@@ -60,9 +60,16 @@ void Packer::remove(const std::vector<bool>& keep) {
     result_.dropped_volume += volume_of(i);
   }
   population_.kept -= (std::count(keep.begin(), keep.begin() + population_.kept, false));
-  keep_only(p.shape, keep), keep_only(p.cls, keep), keep_only(p.scale, keep), keep_only(p.size, keep);
-  keep_only(p.color, keep), keep_only(p.voids, keep), keep_only(population_.size_class, keep);
-  keep_only(p.position, keep), keep_only(p.orientation, keep), keep_only(index_, keep);
+  keep_only(p.shape, keep);
+  keep_only(p.cls, keep);
+  keep_only(p.scale, keep);
+  keep_only(p.size, keep);
+  keep_only(p.color, keep);
+  keep_only(p.voids, keep);
+  keep_only(population_.size_class, keep);
+  keep_only(p.position, keep);
+  keep_only(p.orientation, keep);
+  keep_only(index_, keep);
   population_.fraction = volume_fraction(shapes_, p);
 }
 

@@ -68,7 +68,8 @@ Reachable try_sample(const Population& population, const Shapes& shapes,
           sample.size.push_back(p.size[i]);
       radius.push_back(std::cbrt(0.75 / std::numbers::pi * volume_of(p, shapes, i)));
     }
-    sample.position.resize(m, Vec3::Zero()), sample.orientation.resize(m, Quat::Identity());
+    sample.position.resize(m, Vec3::Zero());
+    sample.orientation.resize(m, Quat::Identity());
     place_at_random(sample, 0, radius, options.seed, work.quiet());
     Budget budget;
     budget.limit = budget.expected = options.steps;

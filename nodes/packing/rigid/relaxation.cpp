@@ -91,7 +91,8 @@ void Relaxation::rebuild(const Work& work) {
     list_spheres();
     return;
   }
-  neighbors_.clear(), first_neighbor_.clear();
+  neighbors_.clear();
+  first_neighbor_.clear();
   incidence_ = incidence_of(n, pairs_);
   extra_.resize(pairs_.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -302,7 +303,8 @@ void Relaxation::shake(double amplitude, std::uint64_t seed, std::uint64_t round
 
 void Relaxation::rest() {
   for (std::size_t i = 0; i < packing_.count(); ++i) {
-    velocity_[i].setZero(), spin_[i].setZero();
+    velocity_[i].setZero();
+    spin_[i].setZero();
     wrap(i);
   }
   stale_ = true;

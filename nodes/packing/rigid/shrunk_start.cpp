@@ -56,8 +56,13 @@ std::optional<Population> regrown(Population fresh, const Particles& start) {
   for (std::size_t i = 0; i < n; ++i)
     if (!known[i]) order.push_back(i);
   Particles& p = fresh.particles;
-  reorder(p.shape, order), reorder(p.cls, order), reorder(p.scale, order), reorder(p.size, order);
-  reorder(p.color, order), reorder(p.voids, order), reorder(fresh.size_class, order);
+  reorder(p.shape, order);
+  reorder(p.cls, order);
+  reorder(p.scale, order);
+  reorder(p.size, order);
+  reorder(p.color, order);
+  reorder(p.voids, order);
+  reorder(fresh.size_class, order);
   for (std::size_t i = 0; i < m; ++i) {
     p.position[i] = wrap_point(start.position[i], p.box);
     p.orientation[i] = start.orientation[i];

@@ -113,8 +113,8 @@ void require_solid(const std::vector<RawMask>& masks, const std::set<std::uint32
       for (int x = 0; x < m.width; ++x)
         if (m.at(x, y) != 0 && is_inside(m, x, y)) solid.insert(m.at(x, y));
   const std::size_t scattered = classes.size() - solid.size();
-  constexpr std::size_t least = 3;
-  if (scattered < least || solid.empty() || 2 * scattered <= classes.size()) return;
+  constexpr std::size_t kLeast = 3;
+  if (scattered < kLeast || solid.empty() || 2 * scattered <= classes.size()) return;
   throw Error(
       "blurred-mask",
       fmt::format(

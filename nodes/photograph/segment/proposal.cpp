@@ -63,8 +63,10 @@ void Proposal::refine(int section, const Image& image, const Work& work) {
   std::vector<std::int32_t> ids(labels.ids.begin() + first, labels.ids.begin() + first + plane);
   std::vector<float> shares(coverage.begin() + first, coverage.begin() + first + plane);
   const LabImage colors = patch_section(image, section, work);
-  for (const auto parent : split_two_materials(colors, ids, labels.count() + 1, work))
-    labels.classes.push_back(0), confidence.push_back(confidence[parent - 1]);
+  for (const auto parent : split_two_materials(colors, ids, labels.count() + 1, work)) {
+    labels.classes.push_back(0);
+    confidence.push_back(confidence[parent - 1]);
+  }
   open_contacts(image, section, colors, ids, shares, work);
   smooth_outlines(colors, ids, shares, work);
   std::copy(ids.begin(), ids.end(), labels.ids.begin() + first);

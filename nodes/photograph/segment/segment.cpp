@@ -81,7 +81,8 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
     s.labels.classes[count] = s.labels.classes[k - 1];
     number[k] = ++count;
   }
-  confidence.resize(count), s.labels.classes.resize(count);
+  confidence.resize(count);
+  s.labels.classes.resize(count);
   if (s.unlikely > 0) s.undecided.resize(s.labels.ids.size(), 0);
   for (std::size_t i = 0; i < s.labels.ids.size(); ++i) {
     auto& id = s.labels.ids[i];

@@ -52,7 +52,10 @@ void fill_holes(std::vector<std::int32_t>& label, int w, int h) {
         const std::int32_t neighbor = label[static_cast<std::size_t>(ny) * w + nx];
         if (neighbor != 0 && one != neighbor) one = one == 0 ? neighbor : -1;
       };
-      meet(x - 1, y), meet(x + 1, y), meet(x, y - 1), meet(x, y + 1);
+      meet(x - 1, y);
+      meet(x + 1, y);
+      meet(x, y - 1);
+      meet(x, y + 1);
     }
   for (std::size_t i = 0; i < label.size(); ++i)
     if (const auto hole = holes.ids[i]; hole > 0 && around[hole] > 0) {

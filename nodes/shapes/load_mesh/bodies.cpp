@@ -79,7 +79,10 @@ void join_bodies_at_edge(const Mesh& mesh, const Side* begin, const Side* end, D
         least = turn;
       }
     }
-    if (next) pairs.emplace_back(back, next), taken.push_back(next);
+    if (next) {
+      pairs.emplace_back(back, next);
+      taken.push_back(next);
+    }
   }
   std::sort(taken.begin(), taken.end());
   const bool unique = std::adjacent_find(taken.begin(), taken.end()) == taken.end();

@@ -227,7 +227,9 @@ std::vector<Eigen::Affine3d> instances_of_node(const tinygltf::Model& model, con
     if (count && *count != out->count()) bad(fmt::format("node {}: its instances differ in number", number));
     count = out->count();
   };
-  take("TRANSLATION", 3, translation), take("ROTATION", 4, rotation), take("SCALE", 3, scale);
+  take("TRANSLATION", 3, translation);
+  take("ROTATION", 4, rotation);
+  take("SCALE", 3, scale);
   if (!count) bad(fmt::format("node {}: its instances have no place", number));
   require_memory(double(*count) * sizeof(Eigen::Affine3d), memory, "the list of instances");
   std::vector<Eigen::Affine3d> out;

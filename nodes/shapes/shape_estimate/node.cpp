@@ -85,7 +85,10 @@ void compute(Context& c) {
   c.metric("triangles", all.triangles);
   c.metric("self_intersections", all.self_intersections);
   if (all.deviation >= 0) c.metric("deviation", all.deviation);
-  if (all.distance >= 0) c.metric("start_distance", all.start_distance), c.metric("distance", all.distance);
+  if (all.distance >= 0) {
+    c.metric("start_distance", all.start_distance);
+    c.metric("distance", all.distance);
+  }
   c.output("shapes", std::move(shapes));
 }
 

@@ -52,7 +52,10 @@ Planned plan(const Mesh& mesh, std::size_t i) {
 // Whether the surface is connected, so that every plane between the tangent planes meets it.
 bool in_one_piece(const Mesh& mesh) {
   DisjointSets pieces(mesh.vertices.size());
-  for (const Triangle& t : mesh.triangles) pieces.join(t[0], t[1]), pieces.join(t[0], t[2]);
+  for (const Triangle& t : mesh.triangles) {
+    pieces.join(t[0], t[1]);
+    pieces.join(t[0], t[2]);
+  }
   const std::int32_t first = pieces.find(mesh.triangles[0][0]);
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                      [&](const Triangle& t) { return pieces.find(t[0]) == first; });
@@ -101,7 +104,8 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
     std::vector<double> widths;
     for (std::size_t i = 0; i < n; ++i) {
       const Planned p = plan(shape.mesh, begin + i);
-      planes.push_back(p.plane), widths.push_back(p.width);
+      planes.push_back(p.plane);
+      widths.push_back(p.width);
     }
     slicer.draw(planes);
     std::vector<std::vector<std::int64_t>> found(n);

@@ -100,7 +100,8 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
   gl.GenFramebuffers(1, &frame);
   gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil);
-  gl.DrawBuffer(GL_NONE), gl.ReadBuffer(GL_NONE);
+  gl.DrawBuffer(GL_NONE);
+  gl.ReadBuffer(GL_NONE);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error("no-gl", "the driver " + gl.context.renderer() + " cannot render to a stencil buffer",
                 "use method: slice");

@@ -53,11 +53,17 @@ Image figure_of(const std::vector<Family>& families, const Scores& scores) {
   for (std::size_t f = 0; f < families.size(); ++f) {
     const FamilyScore& s = scores.families[f];
     const double x = f;
-    behind.x.push_back(x), behind.y.push_back(s.behind);
-    behind.low.push_back(s.behind - 2 * s.error), behind.high.push_back(s.behind + 2 * s.error);
+    behind.x.push_back(x);
+    behind.y.push_back(s.behind);
+    behind.low.push_back(s.behind - 2 * s.error);
+    behind.high.push_back(s.behind + 2 * s.error);
     PlotSeries& bars = s.plausible ? likely : unlikely;
-    bars.x.push_back(x), bars.y.push_back(s.N_V), bars.low.push_back(s.low), bars.high.push_back(s.high);
-    prediction.x_words.push_back(families[f].name), density.x_words.push_back(families[f].name);
+    bars.x.push_back(x);
+    bars.y.push_back(s.N_V);
+    bars.low.push_back(s.low);
+    bars.high.push_back(s.high);
+    prediction.x_words.push_back(families[f].name);
+    density.x_words.push_back(families[f].name);
   }
   prediction.series = {behind};
   for (const PlotSeries& bars : {likely, unlikely})
@@ -93,7 +99,8 @@ void warn_of_disagreement(Context& c, const std::vector<Family>& families, const
   const double least = scores.families[low].N_V, most = scores.families[high].N_V;
   if (scores.relative) return;
   c.metric("N_V", scores.families[scores.best].N_V);
-  c.metric("N_V_least", least), c.metric("N_V_most", most);
+  c.metric("N_V_least", least);
+  c.metric("N_V_most", most);
   if (most > kDisagree * least)
     c.warn(fmt::format(
         "the profiles fit {} and {} about equally well, but N_V is {:.3g} mm⁻³ with {} and "

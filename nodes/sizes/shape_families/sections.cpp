@@ -64,7 +64,8 @@ FamilySections family_sections(const Shapes& shapes, std::size_t count, std::uin
       for (auto& profile : section)
         for (Loop& loop : profile)
           for (Vec2& v : loop) v /= s.size();
-      sections.push_back(std::move(section)), natural.push_back(s.size() / mean);
+      sections.push_back(std::move(section));
+      natural.push_back(s.size() / mean);
     }
   }
   std::vector<const Loop*> outlines;
@@ -73,7 +74,8 @@ FamilySections family_sections(const Shapes& shapes, std::size_t count, std::uin
       double area = 0;
       for (const Loop& loop : profile) area += loop_area(loop);  // holes are negative
       if (!(area > 0)) continue;
-      out.ratio.push_back(std::sqrt(4 * area / pi)), out.natural.push_back(natural[i]);
+      out.ratio.push_back(std::sqrt(4 * area / pi));
+      out.natural.push_back(natural[i]);
       outlines.push_back(&profile.front());
     }
   for (auto& f : out.features) f.resize(outlines.size());

@@ -82,10 +82,14 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
       low += e.low[k];
       high += e.high[k];
     }
-    observed.x.push_back(x), observed.y.push_back(a);
-    refitted.x.push_back(x), refitted.y.push_back(b);
-    density.x.push_back(x), density.y.push_back(v);
-    density.low.push_back(low), density.high.push_back(high);
+    observed.x.push_back(x);
+    observed.y.push_back(a);
+    refitted.x.push_back(x);
+    refitted.y.push_back(b);
+    density.x.push_back(x);
+    density.y.push_back(v);
+    density.low.push_back(low);
+    density.high.push_back(high);
   }
   areas.series = {observed, refitted};
   volumes.series = {density};
@@ -93,8 +97,10 @@ Image figure_of(const UnfoldResult& r, const SizeSummary& summary) {
   sieve.x_label = "size of the particle, mm";
   sieve.y_label = "share of volume that passes";
   PlotSeries passing{PlotSeries::Kind::Line, "", {}, {}, {}, {}, 2};
-  for (std::size_t k = r.model.first; k <= summary.volume_passing.size(); ++k)
-    passing.x.push_back(r.model.edges[k]), passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
+  for (std::size_t k = r.model.first; k <= summary.volume_passing.size(); ++k) {
+    passing.x.push_back(r.model.edges[k]);
+    passing.y.push_back(k > 0 ? summary.volume_passing[k - 1] : 0);
+  }
   sieve.series = {passing};
   return draw({areas, volumes, sieve}, 3);
 }

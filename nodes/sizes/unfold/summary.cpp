@@ -44,7 +44,8 @@ SizeSummary summarize(const SizeDistribution& d) {
   std::vector<double> number(n, 0.0);
   for (const auto& e : d.shapes)
     for (std::size_t j = 0; j < n && j < e.N_V.size(); ++j) number[j] += e.N_V[j];
-  s.volume_share.assign(n, 0.0), s.volume_passing.assign(n, 0.0);
+  s.volume_share.assign(n, 0.0);
+  s.volume_passing.assign(n, 0.0);
   for (const double v : number) s.N_V += v;
   if (!(s.N_V > 0)) return s;
 

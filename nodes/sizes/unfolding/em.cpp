@@ -55,7 +55,8 @@ EmModel make_em_model(const KMatrix& k, const UnfoldModel& model) {
   m.fine = model_matrix(k, m.profiles, m.sizes, false);
   m.coarse = model_matrix(k, model.profile_edges, m.sizes, false);
   m.reclass = Eigen::MatrixXd::Zero(classes, bins);
-  m.width.resize(bins), m.place.resize(bins);
+  m.width.resize(bins);
+  m.place.resize(bins);
   for (int j = 0; j < bins; ++j) {
     const double a = m.sizes[j], b = m.sizes[j + 1];
     m.width[j] = (b - a) * bins / (hi - lo);

@@ -68,7 +68,9 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
       continue;
     }
     Observation& c = o.classes[p.cls];
-    c.size.push_back(size), c.weight.push_back(weight), c.section.push_back(p.section);
+    c.size.push_back(size);
+    c.weight.push_back(weight);
+    c.section.push_back(p.section);
     c.profile.push_back(i);
     o.largest = std::max(o.largest, size);
     ++o.used;

@@ -49,7 +49,8 @@ void blend(const std::array<MatchLevel, 2>& levels, const std::array<Matches, 2>
         const std::size_t here = row * n.x() + x;
         const float w = weight.at[here];
         if (free.at[here] <= 0) continue;
-        value.clear(), share.clear();
+        value.clear();
+        share.clear();
         for (std::size_t s = 0; s < 2; ++s) {
           const std::size_t from = value.size();
           float sum = 0;

@@ -53,7 +53,8 @@ Matches first_matches(const MatchLevel& level, std::uint64_t seed) {
   const Vec3i n = level.texture.size;
   Matches out;
   out.patches = (n.array() + 1) / 2;
-  out.at.resize(level.use.size()), out.distance.resize(level.use.size());
+  out.at.resize(level.use.size());
+  out.distance.resize(level.use.size());
   for (std::size_t k = 0; k < out.at.size(); ++k) {
     const Vec3i p = level.use[k] == Use::Free
                         ? level.texture.place(Random(seed, 0x72, k).below(level.texture.at.size()))

@@ -110,7 +110,8 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
       std::vector<const std::vector<Vec3f>*> features;
       if (s.sources && level == levels - 1 && i == rounds - 1) {
         sources = &out.sources;
-        sources->texel.resize(voxels(size)), sources->exemplar.resize(voxels(size));
+        sources->texel.resize(voxels(size));
+        sources->exemplar.resize(voxels(size));
         bool any = false;
         for (const auto& e : exemplars) {
           features.push_back(&e.features);

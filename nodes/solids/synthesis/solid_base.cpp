@@ -9,14 +9,26 @@ using namespace solids;
 // One field list drives encoding and decoding.
 template <class Stream>
 void fields(Stream&& each, SolidOptions& s) {
-  for (int a = 0; a < 3; ++a) each(s.size[a]), each(s.plane[a]);
-  each(s.levels), each(s.color), each(s.exponent), each(s.overuse), each(s.copying), each(s.guide);
-  each(s.window), each(s.finish), each(s.blockwise_iterations), each(s.seed);
+  for (int a = 0; a < 3; ++a) {
+    each(s.size[a]);
+    each(s.plane[a]);
+  }
+  each(s.levels);
+  each(s.color);
+  each(s.exponent);
+  each(s.overuse);
+  each(s.copying);
+  each(s.guide);
+  each(s.window);
+  each(s.finish);
+  each(s.blockwise_iterations);
+  each(s.seed);
 }
 
 void encode(const NeighborField& f, Writer& w) {
   for (const int n : {f.axis, f.exemplar, f.slices, f.columns, f.rows, f.width, f.height}) w.pod(n);
-  w.array(f.at), w.array(f.weight);
+  w.array(f.at);
+  w.array(f.weight);
 }
 
 NeighborField decode_family(Reader& r, std::size_t exemplars) {
@@ -33,7 +45,9 @@ NeighborField decode_family(Reader& r, std::size_t exemplars) {
 }
 
 void encode(const ValueMap& m, Writer& w) {
-  w.pod(m.map().low()), w.pod(m.map().scale()), w.array(m.map().bins());
+  w.pod(m.map().low());
+  w.pod(m.map().scale());
+  w.array(m.map().bins());
 }
 
 ValueMap decode_map(Reader& r) {
@@ -87,9 +101,14 @@ LevelStatistics decode_statistics(Reader& r) {
 void encode(const SolidBase& v, Writer& w) {
   SolidOptions s = v.request.settings;
   fields([&](const auto& field) { w.pod(field); }, s);
-  w.array(s.iterations), w.pod(v.request.voxel);
+  w.array(s.iterations);
+  w.pod(v.request.voxel);
   encode_list(v.request.exemplars, w, [&](const SolidExemplar& e) {
-    w.pod(e.width), w.pod(e.height), w.raw_array(e.pixels), w.array(e.usable), w.raw_array(e.features);
+    w.pod(e.width);
+    w.pod(e.height);
+    w.raw_array(e.pixels);
+    w.array(e.usable);
+    w.raw_array(e.features);
   });
   w.pod(v.base.whole.level);
   encode_list(v.base.whole.families, w, [&](const NeighborField& f) { encode(f, w); });

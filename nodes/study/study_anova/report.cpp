@@ -72,8 +72,10 @@ Plot chart(const std::vector<Answer>& answers, const Design& design, const std::
       const Spread s =
           share ? fooled(answers, method, shapes[k]) : spread_of(answers, method, shapes[k], quantity);
       const double scale = share ? 100 : 1;
-      bars.x.push_back(k), bars.y.push_back(scale * s.mean);
-      bars.low.push_back(scale * (s.mean - s.sd)), bars.high.push_back(scale * (s.mean + s.sd));
+      bars.x.push_back(k);
+      bars.y.push_back(scale * s.mean);
+      bars.low.push_back(scale * (s.mean - s.sd));
+      bars.high.push_back(scale * (s.mean + s.sd));
     }
     plot.series.push_back(std::move(bars));
   }
@@ -136,7 +138,8 @@ Table effects(const std::vector<Answer>& answers, const Design& design, std::vec
     std::vector<std::string> method, shape;
     for (const Answer& a : decoys) {
       value.push_back(value_of(a, quantity));
-      method.push_back(a.method), shape.push_back(a.shape);
+      method.push_back(a.method);
+      shape.push_back(a.shape);
     }
     const auto cells = anova_cells(value, method, shape);
     add_rows(t, name, "one-way", one_way_anova(cells, kFactors), false);

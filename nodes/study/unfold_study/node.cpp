@@ -32,9 +32,12 @@ Plot panel(const std::string& name, const TrueSizes& truth, const std::vector<Me
     PlotSeries series{PlotSeries::Kind::Bars, r.method, {}, {}, {}, {}, color};
     for (std::size_t j = 0; j < r.N_V.size(); ++j) {
       const double x = (r.edges[j] + r.edges[j + 1]) / 2;
-      series.x.push_back(x), series.y.push_back(r.N_V[j] / truth.total());
-      if (plot.series.empty())
-        actual.x.push_back(x), actual.y.push_back(truth.between(r.edges[j], r.edges[j + 1]) / truth.total());
+      series.x.push_back(x);
+      series.y.push_back(r.N_V[j] / truth.total());
+      if (plot.series.empty()) {
+        actual.x.push_back(x);
+        actual.y.push_back(truth.between(r.edges[j], r.edges[j + 1]) / truth.total());
+      }
     }
     if (plot.series.empty()) plot.series.push_back(actual);
     plot.series.push_back(std::move(series));

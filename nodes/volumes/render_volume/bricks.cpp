@@ -27,7 +27,8 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
   // Cells from 0 to size: one before the first voxel's center, one after the last's.
   count_ = (scan.size.array() + 1 + kCells - 1) / kCells;
   const std::size_t total = voxels_in(count_);
-  distance_.assign(total, 255), place_.assign(total, -1);
+  distance_.assign(total, 255);
+  place_.assign(total, -1);
   const auto each = [&](const auto& body) {
     work.parallel(total, 64, [&](std::size_t begin, std::size_t end) {
       for (std::size_t b = begin; b < end; ++b) {
@@ -75,7 +76,8 @@ Bricks::Bricks(const ScanField& scan, const DensityIntervals& intervals, const W
           }
         }
   };
-  pass(1), pass(-1);
+  pass(1);
+  pass(-1);
 
   std::int32_t stored = 0;
   for (std::size_t b = 0; b < total; ++b)

@@ -103,7 +103,8 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.program = make_gl_program(gl.context, "march_volume.vert", "march_volume.frag",
                                "set device: cpu, or install a newer driver");
   gl.UseProgram(gl.program);
-  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1), gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
 
   gl.start_texture("scan", GL_LINEAR, GL_LINEAR, GL_CLAMP_TO_EDGE, 1);
   gl.level(0, GL_R16, scene.scan.size, GL_RED, GL_UNSIGNED_SHORT, scene.scan.voxels.data());
@@ -151,7 +152,8 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.set("samples", look.samples);
   gl.set("size", Vec3f(scene.scan.size.cast<float>()));
   gl.set("opacity", float(look.opacity));
-  gl.set("skin_noise", float(look.skin_noise)), gl.set("skin_scale", float(look.skin_scale));
+  gl.set("skin_noise", float(look.skin_noise));
+  gl.set("skin_scale", float(look.skin_scale));
   gl.Uniform1ui(gl.at("skin_seed"), look.seed);
   gl.set("background", look.background);
   gl.set("edge_count", count_of(scene.intervals.edges));
@@ -169,14 +171,21 @@ const std::string& GlMarcher::renderer() const { return gl_->context.renderer();
 std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const Work& work) {
   Gl& gl = *gl_;
   const int width = scene_.look.width, height = scene_.look.height;
-  gl.set("camera", f.camera.position), gl.set("forward", f.camera.forward);
-  gl.set("right", f.camera.right), gl.set("up", f.camera.up);
+  gl.set("camera", f.camera.position);
+  gl.set("forward", f.camera.forward);
+  gl.set("right", f.camera.right);
+  gl.set("up", f.camera.up);
   gl.Uniform2f(gl.at("half_size"), f.camera.half_width, f.camera.half_height);
-  gl.set("low", f.low), gl.set("high", f.high), gl.set("per_mm", f.per_mm);
-  gl.set("middle", f.middle), gl.set("light", f.light);
+  gl.set("low", f.low);
+  gl.set("high", f.high);
+  gl.set("per_mm", f.per_mm);
+  gl.set("middle", f.middle);
+  gl.set("light", f.light);
   gl.set("ambient", static_cast<float>(scene_.look.ambient));
-  gl.set("step_length", f.step), gl.set("soft_gradient", f.soft_gradient);
-  gl.set("int_scale", f.int_scale), gl.set("int_offset", f.int_offset);
+  gl.set("step_length", f.step);
+  gl.set("soft_gradient", f.soft_gradient);
+  gl.set("int_scale", f.int_scale);
+  gl.set("int_offset", f.int_offset);
   gl.set("reference_step", f.reference_step);
   for (std::size_t i = 0; i < f.tissues.size(); ++i) {
     const TissueLook& t = f.tissues[i];

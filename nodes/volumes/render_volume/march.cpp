@@ -205,8 +205,8 @@ class Marcher {
     const Four f = p - __builtin_convertvector(c, Four);
     const std::uint16_t* v = bricks_.voxels(brick_of(c));
     if (!v) return 0;
-    constexpr int row = Bricks::kSide;
-    const int at = (((c[2] & 7) + 1) * row + (c[1] & 7) + 1) * row + (c[0] & 7) + 1;
+    constexpr int kRow = Bricks::kSide;
+    const int at = (((c[2] & 7) + 1) * kRow + (c[1] & 7) + 1) * kRow + (c[0] & 7) + 1;
     return between(v + at, f[0], f[1], f[2]);
   }
 
@@ -216,12 +216,12 @@ class Marcher {
     const Four f = p - __builtin_convertvector(c, Four);
     const std::uint16_t* v = bricks_.voxels(brick_of(c));
     if (!v) return 0;
-    constexpr int row = Bricks::kSide, slice = row * row;
-    const std::uint16_t* q = v + (((c[2] & 7) + 1) * row + (c[1] & 7) + 1) * row + (c[0] & 7) + 1;
+    constexpr int kRow = Bricks::kSide, kSlice = kRow * kRow;
+    const std::uint16_t* q = v + (((c[2] & 7) + 1) * kRow + (c[1] & 7) + 1) * kRow + (c[0] & 7) + 1;
     const float gx = (between(q + 1, f[0], f[1], f[2]) - between(q - 1, f[0], f[1], f[2])) * per_mm_[0];
-    const float gy = (between(q + row, f[0], f[1], f[2]) - between(q - row, f[0], f[1], f[2])) * per_mm_[1];
+    const float gy = (between(q + kRow, f[0], f[1], f[2]) - between(q - kRow, f[0], f[1], f[2])) * per_mm_[1];
     const float gz =
-        (between(q + slice, f[0], f[1], f[2]) - between(q - slice, f[0], f[1], f[2])) * per_mm_[2];
+        (between(q + kSlice, f[0], f[1], f[2]) - between(q - kSlice, f[0], f[1], f[2])) * per_mm_[2];
     const float square = 0.25f * (gx * gx + gy * gy + gz * gz);
     const Vec3f& l = frame_.light;
     const float cosine = -0.5f * (gx * l.x() + gy * l.y() + gz * l.z()) / std::sqrt(square + 1e-12f);

@@ -27,7 +27,10 @@ Eigen::AlignedBox3f box_of_visible(const ScanField& scan, const DensityIntervals
       int first = 0, last = scan.size.x() - 1;
       while (first <= last && !visible[row[first]]) ++first;
       while (last > first && !visible[row[last]]) --last;
-      if (first <= last) box.extend(Vec3i(first, y, z)), box.extend(Vec3i(last, y, z));
+      if (first <= last) {
+        box.extend(Vec3i(first, y, z));
+        box.extend(Vec3i(last, y, z));
+      }
       i += scan.size.x();
     }
   if (box.isEmpty()) return {Vec3f(Vec3f::Zero()), Vec3f(Vec3f::Ones())};

@@ -11,8 +11,11 @@ namespace terrazzo::voxelize {
 
 Slab::Slab(const Vec3i& lattice, int z0, int z1, bool has_voids) : z0(z0), z1(z1), lattice(lattice) {
   const std::size_t n = pixels_in(lattice.x(), lattice.y()) * (z1 - z0);
-  coverage.assign(n, 0), owner.assign(n, kNone), shares.resize(z1 - z0);
-  distance.assign(n, static_cast<float>(kBand)), id.assign(n, -1);
+  coverage.assign(n, 0);
+  owner.assign(n, kNone);
+  shares.resize(z1 - z0);
+  distance.assign(n, static_cast<float>(kBand));
+  id.assign(n, -1);
   if (has_voids) holes.assign(n, 0);
 }
 

@@ -65,7 +65,8 @@ fs::path place_of_report(const RunCommand& o, const Graph& graph, const Protecte
   }
   if (o.report.empty() && !writes) return {};
   const fs::path report = o.report.empty() ? fs::path(o.out) / "report.json" : fs::path(o.report);
-  keep.require_other(report), written.require_other(report);
+  keep.require_other(report);
+  written.require_other(report);
   require_replaceable(report);
   return report;
 }

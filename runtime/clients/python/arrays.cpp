@@ -230,13 +230,13 @@ std::vector<double> list_of(const py::object& object, const char* name, double m
 
 py::object sizes(const py::object& class_edges, const py::object& N_V, const py::object& low,
                  const py::object& high) {
-  constexpr double most = 1e18;  // per mm³, as in Distribution
+  constexpr double kMost = 1e18;  // per mm³, as in Distribution
   distribution::SizeLaw law;
   law.kind = distribution::LawKind::Classes;
   law.class_edges = list_of(class_edges, "class_edges", kLargestLength);
-  law.N_V = list_of(N_V, "N_V", most);
-  if (!low.is_none()) law.low = list_of(low, "low", most);
-  if (!high.is_none()) law.high = list_of(high, "high", most);
+  law.N_V = list_of(N_V, "N_V", kMost);
+  if (!low.is_none()) law.low = list_of(low, "low", kMost);
+  if (!high.is_none()) law.high = list_of(high, "high", kMost);
   return to_python(Value::of(distribution::make_distribution(law, nullptr)));
 }
 

@@ -13,7 +13,8 @@ template <class S>
 Shape_ pixels_shape(const S& v, bool color) {
   Shape_ shape;
   if (v.sections != 1) shape.push_back(v.sections);
-  shape.push_back(v.height), shape.push_back(v.width);
+  shape.push_back(v.height);
+  shape.push_back(v.width);
   if (color) shape.push_back(3);
   return shape;
 }

@@ -48,7 +48,10 @@ template <class S, class Item>
 py::array member(const py::handle& owner, const std::vector<Item>& list, const void* of_first,
                  int width = 1) {
   Shape_ shape{static_cast<py::ssize_t>(list.size())}, strides{sizeof(Item)};
-  if (width > 1) shape.push_back(width), strides.push_back(sizeof(S));
+  if (width > 1) {
+    shape.push_back(width);
+    strides.push_back(sizeof(S));
+  }
   return view(owner, py::dtype::of<S>(), of_first, std::move(shape), std::move(strides));
 }
 

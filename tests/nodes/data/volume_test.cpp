@@ -81,7 +81,8 @@ TEST(Volume, EqualVoxelsGiveEqualBytesWhateverTheTree) {
     for (int j = 0; j < 16; ++j)
       for (int k = 0; k < 16; ++k) by_voxel->tree().setValueOn({i, j, k}, 1.0f);
   by_voxel->tree().touchLeaf({5000, 0, 0});  // a leaf with only background values
-  a.grids = {fill}, b.grids = {by_voxel};
+  a.grids = {fill};
+  b.grids = {by_voxel};
   EXPECT_EQ(encoded(a), encoded(b));
   by_voxel->tree().setValueOff({3, 3, 3});  // the value remains, the state changes
   EXPECT_NE(encoded(a), encoded(b));

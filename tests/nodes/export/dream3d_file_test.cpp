@@ -81,7 +81,8 @@ TEST(ExportDream3d, ReadsBackAsTheSameVolume) {
 TEST(ExportDream3d, ABlockKeepsItsPlace) {
   Volume v;
   auto moved = openvdb::FloatGrid::create(0);
-  moved->setName("density"), moved->setTransform(voxel_transform(0.25));
+  moved->setName("density");
+  moved->setTransform(voxel_transform(0.25));
   moved->tree().setValue(openvdb::Coord(-3, 7, 100), 5);
   moved->tree().setValue(openvdb::Coord(-1, 9, 101), 6);
   v.grids = {moved};
@@ -130,9 +131,11 @@ TEST(ExportDream3d, SaysWhatItCannotHold) {
 TEST(DamagedDream3d, IsAResultOrAnError) {
   Volume v;
   auto id = openvdb::Int32Grid::create(-1);
-  id->setName("id"), id->setTransform(voxel_transform(0.25));
+  id->setName("id");
+  id->setTransform(voxel_transform(0.25));
   for (int i = 0; i < 3; ++i) id->tree().setValue(openvdb::Coord(i, i % 2, 0), i);
-  v.grids = {id}, v.resolution = Vec3i(3, 2, 1);
+  v.grids = {id};
+  v.resolution = Vec3i(3, 2, 1);
   const std::string good = test::content_of(dream3d_of(v));
   const fs::path file = test::temporary_folder() / "bad.dream3d";
   Reading reading;

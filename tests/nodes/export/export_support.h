@@ -17,7 +17,8 @@ namespace terrazzo::test {
 
 inline Shape tetrahedron(const std::string& name, bool smooth) {
   Shape s;
-  s.name = name, s.smooth = smooth;
+  s.name = name;
+  s.smooth = smooth;
   s.mesh.vertices = {{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}};
   s.mesh.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   s.volume = 8.0 / 3;

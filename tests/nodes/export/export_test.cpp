@@ -61,7 +61,9 @@ Volume some_volume() {
     id->tree().setValue(openvdb::Coord(i, i, i), i);
     color->tree().setValue(openvdb::Coord(7, i, 0), openvdb::Vec3s(0.1f, 0.2f * float(i), 3));
   }
-  density->setName("density"), id->setName("id"), color->setName("Cd");
+  density->setName("density");
+  id->setName("id");
+  color->setName("Cd");
   for (const openvdb::GridBase::Ptr& g :
        {openvdb::GridBase::Ptr(density), openvdb::GridBase::Ptr(id), openvdb::GridBase::Ptr(color)}) {
     g->setTransform(voxel_transform(0.25));
@@ -79,16 +81,21 @@ Image some_image(int sections) {
 
 Labels some_labels(std::int32_t largest) {
   Labels l;
-  l.width = 6, l.height = 5, l.sections = 2;
+  l.width = 6;
+  l.height = 5;
+  l.sections = 2;
   l.ids.assign(60, 0);
-  l.ids[0] = 1, l.ids[29] = 300, l.ids[30] = largest;
+  l.ids[0] = 1;
+  l.ids[29] = 300;
+  l.ids[30] = largest;
   l.classes.assign(static_cast<std::size_t>(largest), 0);
   return l;
 }
 
 TEST(ExportCsv, NumbersReadBackAsTheSameNumbers) {
   Particles p = test::some_particles(50);
-  p.voids.assign(50, 0), p.voids[3] = 1;
+  p.voids.assign(50, 0);
+  p.voids[3] = 1;
   std::istringstream lines(csv_of(p));
   std::string line;
   std::getline(lines, line);
@@ -268,7 +275,8 @@ TEST(Export, AFullDiskLeavesNothingUnderTheFinalName) {
     big.pixels[i] = Vec3f(float(r.uniform()), float(r.uniform()), float(r.uniform()));
   }
   Labels labels;
-  labels.width = labels.height = 300, labels.classes.assign(60000, 0);
+  labels.width = labels.height = 300;
+  labels.classes.assign(60000, 0);
   for (std::size_t i = 0; i < 90000; ++i)
     labels.ids.push_back(static_cast<std::int32_t>(Random(2, 2, i).below(60000)));
   Volume volume = some_volume();

@@ -30,7 +30,8 @@ TEST(ExportInp, CountsFacesEdgesAndCorners) {
       name = line.substr(line.rfind('=') + 1);
       continue;
     }
-    nodes += keyword == "*NODE", elements += keyword == "*ELEMENT";
+    nodes += keyword == "*NODE";
+    elements += keyword == "*ELEMENT";
     if (keyword != "*NSET") continue;
     std::istringstream in(line);
     for (std::string word; std::getline(in, word, ',');)
@@ -47,7 +48,10 @@ TEST(ExportInp, CountsFacesEdgesAndCorners) {
   std::set<long> border;
   std::size_t sum = 0;
   for (const auto& [set, members] : sets)
-    if (!set.starts_with("SIDE")) border.insert(members.begin(), members.end()), sum += members.size();
+    if (!set.starts_with("SIDE")) {
+      border.insert(members.begin(), members.end());
+      sum += members.size();
+    }
   EXPECT_EQ(sum, border.size());                                 // no node is in two of them
   EXPECT_EQ(border.size(), std::size_t{7 * 6 * 5 - 5 * 4 * 3});  // and none of the border is missing
   // Equal positions are pairs: they differ by the length of the box.

@@ -30,7 +30,9 @@ struct Packing {
   Shapes shapes = test::two_shapes();
   Volume volume = test::formula_volume();
   Packing() {
-    particles.voids.assign(200, 0), particles.voids[7] = 1, particles.binder_color = {0.2f, 0.4f, 0.6f};
+    particles.voids.assign(200, 0);
+    particles.voids[7] = 1;
+    particles.binder_color = {0.2f, 0.4f, 0.6f};
   }
   fs::path write(const std::string& name, bool with_volume,
                  std::map<std::string, std::string> parameters = {}) const {
@@ -191,7 +193,8 @@ TEST(ExportPbrt, EveryParticleIsAnInstance) {
     std::size_t next = 0, worlds = 0, depth = 0, media = 0;
     for (std::size_t at = 0; at < tokens.size(); ++at) {
       const std::string& word = tokens[at];
-      worlds += word == "WorldBegin", media += word == "MakeNamedMedium";
+      worlds += word == "WorldBegin";
+      media += word == "MakeNamedMedium";
       if (word == "AttributeBegin") ++depth;
       if (word == "AttributeEnd") {
         ASSERT_GT(depth, 0u);

@@ -44,7 +44,8 @@ TEST(ColorClasses, AreExactOrWithinOneStep) {
 
 TEST(ExportGltfNodes, EveryParticleIsANode) {
   Particles p = test::some_particles(200);
-  p.voids.assign(200, 0), p.voids[7] = 1;
+  p.voids.assign(200, 0);
+  p.voids[7] = 1;
   const Shapes shapes = test::two_shapes();
   const fs::path file = test::temporary_folder() / "p.glb";
   write_glb(file, p, shapes, {}, {}, Instancing::Nodes, 16);
@@ -98,7 +99,8 @@ std::vector<double> usda_array(const std::string& text, const std::string& decla
 
 TEST(ExportUsda, InstancesAreTheParticles) {
   Particles p = test::some_particles(150);
-  p.voids.assign(150, 0), p.voids[0] = p.voids[149] = 1;
+  p.voids.assign(150, 0);
+  p.voids[0] = p.voids[149] = 1;
   Shapes shapes = test::two_shapes();
   shapes.shapes[0].name = "1 faceted \"stone\"";  // not an identifier
   shapes.shapes[1].name = "é";

@@ -127,7 +127,8 @@ TEST(SurfaceNet, OppositeSidesAreEqual) {
     ASSERT_GE(low.size(), 2u);
     ASSERT_EQ(low.size(), high.size());
     for (auto& [region, all] : low) {
-      std::sort(all.begin(), all.end()), std::sort(high[region].begin(), high[region].end());
+      std::sort(all.begin(), all.end());
+      std::sort(high[region].begin(), high[region].end());
       EXPECT_EQ(all, high[region]) << a << " " << region;
     }
   }
@@ -196,7 +197,8 @@ TEST(ExportStl, OfAVolumeIsClosedAndLeavesVoidsOut) {
   Particles p;
   p.box = Vec3(12, 10, 11);
   p.resize(6);
-  p.voids.assign(6, 0), p.voids[2] = 1;
+  p.voids.assign(6, 0);
+  p.voids[2] = 1;
   test::run_node("Export", {{"volume", Value::of(balls())}, {"particles", Value::of(p)}}, {{"path", "a.stl"}},
                  out);
   const std::string bytes = test::content_of(out / "a.stl");

@@ -95,7 +95,8 @@ TEST(ExportVti, ABlockKeepsItsPlace) {
   for (auto& g : v.grids) {  // id has inactive voxels at the border, the others do not
     if (g->getName() != "density") continue;
     auto moved = openvdb::FloatGrid::create(0);
-    moved->setName("density"), moved->setTransform(voxel_transform(0.25));
+    moved->setName("density");
+    moved->setTransform(voxel_transform(0.25));
     moved->tree().setValue(openvdb::Coord(-3, 7, 100), 5);
     moved->tree().setValue(openvdb::Coord(-1, 9, 101), 6);
     v.grids = {moved};
@@ -174,7 +175,8 @@ TEST(ExportVdb, WholeNumbersBecomeFloatsAndComeBack) {
   for (auto& g : edited.grids)
     if (g->getName() == "id") {
       auto floats = openvdb::FloatGrid::create(-1);
-      floats->setName("id"), floats->setTransform(voxel_transform(0.25));
+      floats->setName("id");
+      floats->setTransform(voxel_transform(0.25));
       floats->insertMeta("stored_from", openvdb::StringMetadata("int32"));
       floats->tree().setValue(openvdb::Coord(1, 2, 3), 0.5f);
       g = floats;
@@ -221,7 +223,8 @@ TEST(VoxelFiles, SayWhatTheyCannotHold) {
   Volume bad = v;
   bad.grids.clear();
   auto density = openvdb::FloatGrid::create(0);
-  density->setName("density"), density->setTransform(voxel_transform(0.25));
+  density->setName("density");
+  density->setTransform(voxel_transform(0.25));
   bad.grids.push_back(density);
   EXPECT_EQ(code("a.inp", bad), "no-id");
   density->tree().setValue(openvdb::Coord(1, 2, 3), std::nanf(""));
@@ -235,7 +238,8 @@ TEST(VoxelFiles, SayWhatTheyCannotHold) {
   EXPECT_EQ(code("a.vti", tilted), "tilted-volume");
   Volume mixed = v;
   auto coarse = v.find<openvdb::FloatGrid>("density")->deepCopy();
-  coarse->setTransform(voxel_transform(0.5)), coarse->setName("coarse");
+  coarse->setTransform(voxel_transform(0.5));
+  coarse->setName("coarse");
   mixed.grids.push_back(coarse);
   EXPECT_EQ(code("a.vti", mixed), "size-mismatch");
 
@@ -247,7 +251,8 @@ TEST(VoxelFiles, SayWhatTheyCannotHold) {
 
   Volume many = v;
   auto ids = openvdb::Int32Grid::create(-1);
-  ids->setName("id"), ids->setTransform(voxel_transform(0.25));
+  ids->setName("id");
+  ids->setTransform(voxel_transform(0.25));
   ids->tree().setValue(openvdb::Coord(0, 0, 0), 16777217);
   many.grids = {ids};
   EXPECT_EQ(code("a.vdb", many), "too-many-labels");

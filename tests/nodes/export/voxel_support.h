@@ -31,7 +31,10 @@ inline Volume formula_volume() {
         color->tree().setValue(at, openvdb::Vec3s(0.5f, 0.25f * float(x), float(z)));
         source->tree().setValue(at, openvdb::Vec3i(x, y, z));
       }
-  id->setName("id"), density->setName("density"), color->setName("Cd"), source->setName("source");
+  id->setName("id");
+  density->setName("density");
+  color->setName("Cd");
+  source->setName("source");
   for (const openvdb::GridBase::Ptr& g : {openvdb::GridBase::Ptr(id), openvdb::GridBase::Ptr(density),
                                           openvdb::GridBase::Ptr(color), openvdb::GridBase::Ptr(source)})
     g->setTransform(voxel_transform(0.25)), v.grids.push_back(g);
@@ -43,8 +46,12 @@ inline Particles formula_particles() {
   Particles p;
   p.box = Vec3(1.5, 1.25, 1);
   p.resize(7);
-  for (int i = 0; i < 7; ++i) p.cls[i] = i % 3, p.size[i] = 0.5;
-  p.voids.assign(7, 0), p.voids[3] = 1;
+  for (int i = 0; i < 7; ++i) {
+    p.cls[i] = i % 3;
+    p.size[i] = 0.5;
+  }
+  p.voids.assign(7, 0);
+  p.voids[3] = 1;
   return p;
 }
 

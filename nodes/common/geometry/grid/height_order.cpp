@@ -14,7 +14,11 @@ HeightOrder::HeightOrder(const Mesh& mesh) : mesh_(mesh), middle_(Vec3::Zero()) 
     middle_ = (low + high) / 2;
   }
   const std::size_t n = mesh.vertices.size();
-  point_.resize(n), order_.resize(n), rank_.resize(n), bucket_.resize(n + 2), height_.resize(n);
+  point_.resize(n);
+  order_.resize(n);
+  rank_.resize(n);
+  bucket_.resize(n + 2);
+  height_.resize(n);
 }
 
 // Bucket sort with as many buckets as vertices, then sorts within each bucket.

@@ -191,7 +191,8 @@ std::pair<double, double> MeshCutter::turn(const Vec3& u) {
   for (std::size_t v = 0; v < x_.size(); ++v) along_[v] = product(u, x_[v], y_[v], z_[v]);
   constexpr std::size_t kLanes = 8;  // of independent comparisons
   std::array<double, kLanes> low, high;
-  low.fill(std::numeric_limits<double>::infinity()), high.fill(-low[0]);
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-low[0]);
   std::size_t v = 0;
   for (; v + kLanes <= along_.size(); v += kLanes)
     for (std::size_t k = 0; k < kLanes; ++k) {

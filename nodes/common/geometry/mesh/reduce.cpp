@@ -34,13 +34,15 @@ void reduce_triangles(Mesh& mesh, std::size_t triangles, const Work& work) {
   OpenMesh::Decimater::DecimaterT<HalfEdges> decimater(edges);
   OpenMesh::Decimater::ModQuadricT<HalfEdges>::Handle quadric;
   OpenMesh::Decimater::ModNormalFlippingT<HalfEdges>::Handle folds;
-  decimater.add(quadric), decimater.add(folds);
+  decimater.add(quadric);
+  decimater.add(folds);
   decimater.module(quadric).unset_max_err();
   decimater.initialize();
   decimater.decimate_to_faces(0, triangles);
   edges.garbage_collection();
   work.check();
-  mesh.vertices.clear(), mesh.triangles.clear();
+  mesh.vertices.clear();
+  mesh.triangles.clear();
   for (const auto v : edges.vertices()) {
     const auto& p = edges.point(v);
     mesh.vertices.push_back({p[0], p[1], p[2]});

@@ -243,7 +243,8 @@ bool Hdf5Input::attribute(Address object, const std::string& name, Hdf5Array& ar
       continue;
     if (number(m.at + 1, 1) & 3 && version > 1)
       hdf5_unsupported("the HDF5 file shares types between objects", "write it without named data types");
-    read_type({3, type, type_size}, array), read_space({1, space, space_size}, array);
+    read_type({3, type, type_size}, array);
+    read_space({1, space, space_size}, array);
     const std::uint64_t size = array.count() * array.bytes;
     if (size > m.at + m.size - data) hdf5_damaged("an attribute of the HDF5 file is too short");
     bytes = content_.substr(data, size);

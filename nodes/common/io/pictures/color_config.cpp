@@ -152,7 +152,8 @@ ocio::DisplayViewTransformRcPtr view_transform(const ocio::Config& config, const
     ++slash;
   }
   auto t = ocio::DisplayViewTransform::Create();
-  t->setDisplay(display.c_str()), t->setView(view.c_str());
+  t->setDisplay(display.c_str());
+  t->setView(view.c_str());
   return t;
 }
 

@@ -62,14 +62,14 @@ std::uint32_t png_frames(std::string_view content) {
 }
 
 void check_png(std::string_view content, const Reading& reading) {
-  constexpr std::size_t around = 12;  // length, name and checksum
+  constexpr std::size_t kAround = 12;  // length, name and checksum
   std::size_t at = 8, damaged = 0;
   std::string first;
   while (true) {
-    if (content.size() - at < around)
+    if (content.size() - at < kAround)
       damaged_picture(fmt::format("it is truncated at byte {}", content.size()));
     const std::uint32_t length = big32(content.substr(at));
-    if (length > content.size() - at - around)
+    if (length > content.size() - at - kAround)
       damaged_picture(fmt::format("it is truncated: it ends at byte {}, within a chunk of {} bytes",
                                   content.size(), length));
     const std::string_view body = content.substr(at + 4, 4 + length);
@@ -83,7 +83,7 @@ void check_png(std::string_view content, const Reading& reading) {
       if (damaged++ == 0) first = name;
     }
     if (body.substr(0, 4) == "IEND") break;
-    at += around + length;
+    at += kAround + length;
   }
   if (damaged > 0)
     reading.warn(fmt::format("{} of the PNG file's metadata chunks {} damaged; first: {}", damaged,

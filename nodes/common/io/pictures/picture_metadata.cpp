@@ -29,8 +29,8 @@ std::string_view jpeg_exif(std::string_view content) {
   constexpr auto kName = "Exif\0\0"sv;
   for (std::size_t at = 2; at + 4 <= content.size() && content[at] == '\xff';) {
     const unsigned char kind = content[at + 1];
-    constexpr unsigned char fill = 0xff, kScan = 0xda, exif = 0xe1;
-    if (kind == fill) {
+    constexpr unsigned char kFill = 0xff, kScan = 0xda, kExif = 0xe1;
+    if (kind == kFill) {
       ++at;
       continue;
     }
@@ -38,7 +38,7 @@ std::string_view jpeg_exif(std::string_view content) {
     const std::size_t length = big_number(content.substr(at + 2), 2);
     if (length < 2 || length > content.size() - at - 2) return {};
     const std::string_view data = content.substr(at + 4, length - 2);
-    if (kind == exif && data.starts_with(kName)) return data.substr(kName.size());
+    if (kind == kExif && data.starts_with(kName)) return data.substr(kName.size());
     at += 2 + length;
   }
   return {};

@@ -240,7 +240,8 @@ class BlockReader {
  private:
   void tiles(int s) {
     std::uint32_t width = 0, height = 0;
-    TIFFGetField(in_, TIFFTAG_TILEWIDTH, &width), TIFFGetField(in_, TIFFTAG_TILELENGTH, &height);
+    TIFFGetField(in_, TIFFTAG_TILEWIDTH, &width);
+    TIFFGetField(in_, TIFFTAG_TILELENGTH, &height);
     constexpr std::uint32_t kLongest = 1u << 30;
     if (width < 1 || height < 1) throw failure("its tiles are empty");
     width = std::min(width, kLongest);

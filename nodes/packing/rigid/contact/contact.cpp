@@ -219,7 +219,10 @@ void accumulate(Contact& contact, const Probe& probe, const Body& field, const V
 }
 
 Contact finished(Contact contact) {
-  if (contact.weight > 0) contact.a.scale(1 / contact.weight), contact.b.scale(1 / contact.weight);
+  if (contact.weight > 0) {
+    contact.a.scale(1 / contact.weight);
+    contact.b.scale(1 / contact.weight);
+  }
   return contact;
 }
 
@@ -311,7 +314,8 @@ Contact find_contact(const Body& a, const Body& b, const Vec3f& offset, float ma
     const float mix = std::clamp(contact.depth / deep - 1, kAlongCenters, 0.95f);
     const float weight = contact.weight * mix / (1 - mix), depth = contact.depth;
     const Vec3f n = -offset / distance;
-    contact.a.add(n, Vec3f::Zero(), depth, weight), contact.b.add(-n, Vec3f::Zero(), depth, weight);
+    contact.a.add(n, Vec3f::Zero(), depth, weight);
+    contact.b.add(-n, Vec3f::Zero(), depth, weight);
     contact.weight += weight;
   }
   return finished(contact);

@@ -256,7 +256,10 @@ ContactShape make_contact_shape(const Mesh& original, const Work& work) {
     for (int k = 0; k <= steps; ++k) sharp.push_back(p + (q - p) * k / steps);
   }
   s.field.include(sharp);
-  if (segments.size() > 1200) segments.clear(), std::fill(covered.begin(), covered.end(), false);
+  if (segments.size() > 1200) {
+    segments.clear();
+    std::fill(covered.begin(), covered.end(), false);
+  }
   const Choice choice = choose_vertices(mesh, r, covered, work);
   std::vector<Element> coarse = segments, fine = segments;
   for (std::size_t k = 0; k < choice.order.size(); ++k) {

@@ -67,8 +67,10 @@ bool DistanceField::make_planes(const Mesh& mesh) {
       if (n.dot(v) > d + 1e-5 * r) return false;
   kind_ = Kind::Planes;
   for (const auto& [n, d] : distinct) {
-    nx_.push_back(n[0]), ny_.push_back(n[1]);
-    nz_.push_back(n[2]), offset_.push_back(d);
+    nx_.push_back(n[0]);
+    ny_.push_back(n[1]);
+    nz_.push_back(n[2]);
+    offset_.push_back(d);
   }
   return true;
 }

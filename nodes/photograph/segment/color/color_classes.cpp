@@ -58,7 +58,8 @@ void join(Cluster& into, Cluster& from) {
     a.insert(a.end(), b.begin(), b.end());
     std::sort(a.begin(), a.end());
   };
-  merge(into.sizes, from.sizes), merge(into.circularities, from.circularities);
+  merge(into.sizes, from.sizes);
+  merge(into.circularities, from.circularities);
   into.parts.insert(into.parts.end(), from.parts.begin(), from.parts.end());
 }
 

@@ -58,7 +58,9 @@ std::vector<float> gradient_of(const LabImage& image) {
 }
 
 Vec3f patch_color(const Vec3f& oklab) { return {oklab[0], kChroma * oklab[1], kChroma * oklab[2]}; }
-Vec3f linear_of_patch_color(const Vec3f& c) { return oklab_to_linear({c[0], c[1] / kChroma, c[2] / kChroma}); }
+Vec3f linear_of_patch_color(const Vec3f& c) {
+  return oklab_to_linear({c[0], c[1] / kChroma, c[2] / kChroma});
+}
 Vec3f patch_color_of_linear(const Vec3f& linear) { return patch_color(linear_to_oklab(linear)); }
 
 LabImage patch_section(const Image& image, int section, const Work& work) {
@@ -68,7 +70,8 @@ LabImage patch_section(const Image& image, int section, const Work& work) {
 }
 
 void make_patches(Mosaic& m, const Work& work) {
-  m.colors.clear(), m.areas.clear();
+  m.colors.clear();
+  m.areas.clear();
   const std::vector<float> gradient = gradient_of(m.smooth);
   const auto basins = watershed(gradient, m.width, m.height, work);
   std::vector<float> weights(gradient.size());

@@ -34,7 +34,10 @@ std::vector<Piece> measure_pieces(const std::vector<std::int32_t>& raster, int w
         else if (raster[j] != id)
           p.contact += 1;
       };
-      side(x > 0, i - 1), side(x + 1 < width, i + 1), side(y > 0, i - width), side(y + 1 < height, i + width);
+      side(x > 0, i - 1);
+      side(x + 1 < width, i + 1);
+      side(y > 0, i - width);
+      side(y + 1 < height, i + width);
       if (x == 0 || raster[i - 1] != id) ends[id - 1].emplace_back(x, y), ends[id - 1].emplace_back(x, y + 1);
       if (x + 1 == width || raster[i + 1] != id)
         ends[id - 1].emplace_back(x + 1, y), ends[id - 1].emplace_back(x + 1, y + 1);

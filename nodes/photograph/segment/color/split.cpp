@@ -13,7 +13,8 @@ namespace {
 
 // Lower envelope of the parabolas f[q] + (p − q)² along one line.
 void transform_line(const float* f, float* out, int n, std::vector<int>& v, std::vector<float>& z) {
-  v.resize(n), z.resize(n + 1);
+  v.resize(n);
+  z.resize(n + 1);
   int k = 0;
   v[0] = 0;
   z[0] = -std::numeric_limits<float>::infinity();

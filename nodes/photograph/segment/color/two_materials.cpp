@@ -64,8 +64,10 @@ Parts parts_of(const LabImage& image, const std::vector<std::int32_t>& labels, s
   std::vector<Vec3f> colors;
   for (int y = box.y; y < box.br().y; ++y)
     for (int x = box.x; x < box.br().x; ++x)
-      if (const std::size_t i = image.index(x, y); labels[i] == label)
-        pixels.push_back(i), colors.push_back(image.pixels[i]);
+      if (const std::size_t i = image.index(x, y); labels[i] == label) {
+        pixels.push_back(i);
+        colors.push_back(image.pixels[i]);
+      }
   const double area = pixels.size();
   if (area < 2 * kFewestPixels) return {};
   const Groups groups = group(colors);

@@ -230,7 +230,8 @@ std::vector<Comb> find_combs(const cv::Mat& gray, double angle) {
   for (int k = 0; k < turned.rows; ++k) {
     const int y = k * kRowStep;
     const std::vector<Edge>& edges = find_edges(turned.ptr<std::uint8_t>(k));
-    rising.clear(), all.clear();
+    rising.clear();
+    all.clear();
     for (const Edge& e : edges) {
       all.push_back(&e);
       if (e.rising) rising.push_back(&e);

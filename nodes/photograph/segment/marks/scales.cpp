@@ -32,7 +32,8 @@ MarkColors colors_of(const cv::Mat& band, double step) {
         near.push_back(band.at<cv::Vec3b>(y, u));
     std::sort(near.begin(), near.end(),
               [&](const cv::Vec3b& a, const cv::Vec3b& b) { return luma(a) < luma(b); });
-    out.light.push_back(near[near.size() * 7 / 8]), out.dark.push_back(near[near.size() / 8]);
+    out.light.push_back(near[near.size() * 7 / 8]);
+    out.dark.push_back(near[near.size() / 8]);
   }
   return out;
 }
@@ -63,7 +64,9 @@ class Body {
           coarse.at<cv::Vec3b>(y, x)[k] = (coarse.at<cv::Vec3b>(y, x)[k] & 0xF0) + 8;
     const cv::Vec3b paper = commonest(coarse);
     own([&](int) { return paper; }, 0.1);
-    grow_columns(), grow_rows(), grow_columns();
+    grow_columns();
+    grow_rows();
+    grow_columns();
     constexpr double kLargest = 0.4;
     if (box_.area() > kLargest * cv::countNonZero(inside_) || 2 * box_.width < 3 * box_.height) return {};
     if (!ends(box_.y - kMargin - kRim, box_.y - kMargin) ||

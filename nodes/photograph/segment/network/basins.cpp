@@ -23,7 +23,8 @@ float relief_at(const NetworkMaps& m, std::int32_t i) {
 class Basins {
  public:
   std::int32_t add(float summit) {
-    parent_.push_back(parent_.size()), summit_.push_back(summit);
+    parent_.push_back(parent_.size());
+    summit_.push_back(summit);
     return parent_.back();
   }
   std::int32_t root(std::int32_t k) {
@@ -86,7 +87,8 @@ void merge_open_neighbors(const NetworkMaps& m, const std::vector<std::int32_t>&
     if (it == contacts[p.a].end() || it->second.mean() != p.mean) continue;  // merged or changed since
     basins.merge(p.a, p.b);
     const std::int32_t kept = basins.root(p.a), gone = kept == p.a ? p.b : p.a;
-    contacts[kept].erase(gone), contacts[gone].erase(kept);
+    contacts[kept].erase(gone);
+    contacts[gone].erase(kept);
     const auto moved = std::move(contacts[gone]);
     contacts[gone].clear();
     for (const auto& [other, c] : moved) {

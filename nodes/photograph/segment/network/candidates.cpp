@@ -112,7 +112,8 @@ std::vector<Candidate> ScaleView::candidates(double min_area, const Work& work) 
       if (!before.empty() && areas[k] > kSame * areas_before[before.at<int>(c.seed)]) continue;
       out.push_back(c);
     }
-    std::swap(labels, before), std::swap(areas, areas_before);
+    std::swap(labels, before);
+    std::swap(areas, areas_before);
   }
   return out;
 }

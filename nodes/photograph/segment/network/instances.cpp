@@ -180,7 +180,8 @@ Accepted accept_instances(const std::vector<Instance>& instances, int width, int
   Accepted out;
   for (const std::size_t p : kept) {
     const std::size_t k = filling.places()[p].from;
-    out.scores.push_back(instances[k].score), out.from.push_back(k);
+    out.scores.push_back(instances[k].score);
+    out.from.push_back(k);
     number[p + 1] = out.scores.size();
   }
   for (const auto label : filling.labels()) out.labels.push_back(number[label]);

@@ -31,7 +31,8 @@ void add_gradients(const cv::Mat& window, double scale, Gradients& all) {
   cv::cvtColor(window, light, cv::COLOR_RGB2GRAY);
   if (scale < 1) cv::resize(light, light, {}, scale, scale, cv::INTER_AREA);
   cv::GaussianBlur(light, blurred, {}, 1.0, 1.0, cv::BORDER_REPLICATE);
-  add_squares(light, all.fine), add_squares(blurred, all.coarse);
+  add_squares(light, all.fine);
+  add_squares(blurred, all.coarse);
 }
 
 // The first pixels of evenly spread windows along a side.

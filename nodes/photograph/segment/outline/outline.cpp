@@ -85,7 +85,8 @@ class Contour {
         go(bottom, top);
         break;
       case 6:
-        go(top, left), go(bottom, right);
+        go(top, left);
+        go(bottom, right);
         break;  // diagonal corners are joined
       case 7:
         go(bottom, right);
@@ -94,7 +95,8 @@ class Contour {
         go(right, bottom);
         break;
       case 9:
-        go(left, bottom), go(right, top);
+        go(left, bottom);
+        go(right, top);
         break;  // diagonal corners are joined
       case 10:
         go(top, bottom);

@@ -96,7 +96,8 @@ class Outlines {
             ++l.pairs;
           }
         };
-        pair(x + kApart, y), pair(x, y + kApart);
+        pair(x + kApart, y);
+        pair(x, y + kApart);
       }
     return l;
   }

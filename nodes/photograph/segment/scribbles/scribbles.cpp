@@ -36,7 +36,8 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
       cv::Mat smooth, plane[3], dx, dy, xx, xy, yy, gradient, txx, txy, tyy;
       cv::GaussianBlur(color, smooth, cv::Size(0, 0), sigma, sigma, cv::BORDER_REFLECT_101);
       cv::split(smooth, plane);
-      cv::Sobel(plane[0], dx, CV_32F, 1, 0, 3, 0.125), cv::Sobel(plane[0], dy, CV_32F, 0, 1, 3, 0.125);
+      cv::Sobel(plane[0], dx, CV_32F, 1, 0, 3, 0.125);
+      cv::Sobel(plane[0], dy, CV_32F, 0, 1, 3, 0.125);
       cv::Sobel(dx, xx, CV_32F, 1, 0, 3, 0.125), cv::Sobel(dx, xy, CV_32F, 0, 1, 3, 0.125),
           cv::Sobel(dy, yy, CV_32F, 0, 1, 3, 0.125);
       cv::GaussianBlur(dx.mul(dx), txx, cv::Size(0, 0), 1.5 * sigma),
@@ -104,7 +105,9 @@ ScribbleForest::ScribbleForest(const Image& image, int of_section, const Scribbl
   }
   auto& trees = forest_->trees;
   trees = cv::ml::RTrees::create();
-  trees->setMaxDepth(14), trees->setMinSampleCount(3), trees->setActiveVarCount(6);
+  trees->setMaxDepth(14);
+  trees->setMinSampleCount(3);
+  trees->setActiveVarCount(6);
   trees->setTermCriteria({cv::TermCriteria::MAX_ITER, kTrees, 0});
   cv::setRNGSeed(static_cast<int>(mix64(seed) & 0x7fffffff));
   trees->train(cv::ml::TrainData::create(x, cv::ml::ROW_SAMPLE, answers));
@@ -115,7 +118,8 @@ ScribbleForest::~ScribbleForest() = default;
 ScribbleMaps ScribbleForest::classify(const Image& image, int section, const Work& work) const {
   const cv::Mat features = features_of(image, section, work.part(0, 0.3));
   ScribbleMaps maps;
-  maps.particle.assign(features.rows, 0), maps.not_material.assign(features.rows, 0);
+  maps.particle.assign(features.rows, 0);
+  maps.not_material.assign(features.rows, 0);
   work.part(0.3, 1).parallel(features.rows, 4096, [&](std::size_t begin, std::size_t end) {
     cv::Mat votes;
     forest_->trees->getVotes(features.rowRange(static_cast<int>(begin), static_cast<int>(end)), votes, 0);

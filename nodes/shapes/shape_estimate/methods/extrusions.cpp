@@ -273,7 +273,10 @@ class Solid {
 
 Mesh largest_piece(const Mesh& mesh) {
   DisjointSets pieces(mesh.vertices.size());
-  for (const auto& t : mesh.triangles) pieces.join(t[0], t[1]), pieces.join(t[0], t[2]);
+  for (const auto& t : mesh.triangles) {
+    pieces.join(t[0], t[1]);
+    pieces.join(t[0], t[2]);
+  }
   std::map<std::int32_t, double> volume;
   for (const auto& t : mesh.triangles)
     volume[pieces.find(t[0])] += mesh.vertices[t[0]].dot(mesh.vertices[t[1]].cross(mesh.vertices[t[2]])) / 6;

@@ -88,9 +88,11 @@ MorphFrame morph_frame(std::vector<Outline> profiles, const std::string& axis, i
     for (const double scale : {right, left, up, down}) frame.scaling += std::log(scale) * std::log(scale);
     // Counter-clockwise from the right: right to top, top to left, left to bottom, bottom to right.
     auto& q = quarters[k];
-    q[0].scale(right, up), q[0].reverse();
+    q[0].scale(right, up);
+    q[0].reverse();
     q[1].scale(-left, up);
-    q[2].scale(-left, down), q[2].reverse();
+    q[2].scale(-left, down);
+    q[2].reverse();
     q[3].scale(right, down);
     for (auto& arc : q) arc.parametrize();
     frame.upper[k] = q[0];

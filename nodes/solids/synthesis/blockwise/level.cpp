@@ -160,7 +160,8 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   const BlockPasses passes{exemplars, known, plan, windows, search, (settings_.exponent - 2) / 2};
   std::vector<const std::vector<Vec3f>*> features;
   if (sources) {
-    sources->texel.resize(voxels(region.field.size)), sources->exemplar.resize(voxels(region.field.size));
+    sources->texel.resize(voxels(region.field.size));
+    sources->exemplar.resize(voxels(region.field.size));
     bool any = false;
     for (const auto& e : working_) {
       features.push_back(&e.features);

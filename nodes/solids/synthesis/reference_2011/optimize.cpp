@@ -33,7 +33,8 @@ Histogram histogram_of(const ExemplarLevel& e) {
       lo = std::min(lo, e.texels[4 * i + c]);
       hi = std::max(hi, e.texels[4 * i + c]);
     }
-    h.lo.push_back(lo), h.scale.push_back(kBins / std::max(hi - lo, 1e-12f));
+    h.lo.push_back(lo);
+    h.scale.push_back(kBins / std::max(hi - lo, 1e-12f));
     h.at.push_back({});
     for (std::size_t i = 0; i < n; ++i)
       h.at[c][h.bin(c, e.texels[4 * i + c])] += static_cast<float>(kBins) / n;
@@ -116,8 +117,10 @@ void optimize_by_reference(const std::vector<const ExemplarLevel*>& exemplars,
                            double window, std::uint64_t seed, SolidField& field, const Work& work) {
   std::vector<PatchTree> trees;
   std::vector<Histogram> wanted;
-  for (const auto* e : exemplars)
-    trees.emplace_back(e->features.data(), e->space.dims, e->starts), wanted.push_back(histogram_of(*e));
+  for (const auto* e : exemplars) {
+    trees.emplace_back(e->features.data(), e->space.dims, e->starts);
+    wanted.push_back(histogram_of(*e));
+  }
   const std::size_t n = field.channel[0].size(), channels = field.channel.size();
   const Vec3i& size = field.size;
   const std::array<std::vector<PatchCover>, 3> cover = {patch_covers(size.x()), patch_covers(size.y()),
@@ -206,7 +209,9 @@ SolidField resample(const SolidField& in, const Vec3i& size, const Work& work) {
           for (int x = 0; x < size.x(); ++x) {
             int wx[2], wy[2], wz[2];
             float px, py, pz;
-            place(0, x, wx, px), place(1, y, wy, py), place(2, static_cast<int>(z), wz, pz);
+            place(0, x, wx, px);
+            place(1, y, wy, py);
+            place(2, static_cast<int>(z), wz, pz);
             float sum = 0;
             for (int k = 0; k < 8; ++k)
               sum += (k & 1 ? px : 1 - px) * (k & 2 ? py : 1 - py) * (k & 4 ? pz : 1 - pz) *

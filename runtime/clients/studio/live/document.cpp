@@ -210,13 +210,18 @@ void Document::save_as(const fs::path& file, const std::string& text) {
   SaveFile place = SaveFile::exactly(file, false);
   place.write([&](const fs::path&) { return text; });
   own_.remove();  // its text is in the new file
-  if (text != this->text()) undo_.clear(), redo_.clear();
+  if (text != this->text()) {
+    undo_.clear();
+    redo_.clear();
+  }
   file_ = fs::absolute(place.path()).lexically_normal();
   own_ = UnsavedCopy(file_);
   left_.reset();  // what an earlier session left stays beside the other file
   now_.text = shared(text);
   disk_ = text;
-  recovered_.clear(), trouble_.clear(), arrangement_trouble_.clear();
+  recovered_.clear();
+  trouble_.clear();
+  arrangement_trouble_.clear();
   read_only_ = false;
   group_.clear();
   ++revision_;

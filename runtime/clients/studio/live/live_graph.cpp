@@ -102,7 +102,8 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   document_ = std::move(document);
   document_.look_for_left();  // of the former one, if it has the same file
   overrides_ = {};            // they belong to the graph of the command line
-  states_.clear(), past_.clear();
+  states_.clear();
+  past_.clear();
   disk_changed_ = false;
   seconds_ = 0;
   trouble_.clear();

@@ -113,7 +113,10 @@ TEST(Carve, ColorsAreTheSolidsAtEachVertexAndPixel) {
     for (std::uint64_t k = 0; k < 4; ++k) {  // anywhere in the triangle, linearly between pixels
       Random r(3, t, k);
       double u = r.uniform(), v = r.uniform();
-      if (u + v > 1) u = 1 - u, v = 1 - v;
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
       const auto& c = s.uv[t];
       const Eigen::Vector2f at = (c[0] + float(u) * (c[1] - c[0]) + float(v) * (c[2] - c[0])) * 512 -
                                  Eigen::Vector2f::Constant(0.5f);

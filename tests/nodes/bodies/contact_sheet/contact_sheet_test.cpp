@@ -63,8 +63,10 @@ TEST(ContactSheet, LabelsGetColorsThatStayApart) {
   }
   EXPECT_EQ(seen.size(), 2000u);
   Labels labels;
-  labels.width = 2, labels.height = 1;
-  labels.ids = {0, 1}, labels.classes = {0};
+  labels.width = 2;
+  labels.height = 1;
+  labels.ids = {0, 1};
+  labels.classes = {0};
   const auto run =
       run_node("ContactSheet", {{"images", Value::of(labels)}}, {{"cell", "64"}, {"background", "dark"}});
   EXPECT_GT(run.output<Image>("image").height, 30);

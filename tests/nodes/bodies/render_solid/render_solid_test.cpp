@@ -45,7 +45,8 @@ Volume volume_of(int n, const Vec3f& color) {
 
 Shape sphere(int rings) {
   Shape s;
-  s.name = "ball", s.smooth = true;
+  s.name = "ball";
+  s.smooth = true;
   const int turns = 2 * rings;
   s.mesh.vertices.push_back(Vec3(0, 0, 1));
   for (int i = 1; i < rings; ++i)
@@ -88,7 +89,9 @@ Painted object(const ColorField& field, const Shape& shape) {
 
 RenderOptions plain(int size, int samples) {
   RenderOptions s;
-  s.width = s.height = size, s.samples = samples, s.gloss = 0;
+  s.width = s.height = size;
+  s.samples = samples;
+  s.gloss = 0;
   return s;
 }
 
@@ -127,7 +130,8 @@ TEST(RenderSolid, PicturesThatAreRefinedEndInTheSameBits) {
   const Camera camera = Camera::framing(solid->bounds(), -0.7f, 0.5f, 40, 30);
   for (const int samples : {1, 2, 11, 16}) {
     RenderOptions settings = plain(40, samples);
-    settings.height = 30, settings.gloss = 0.4f;
+    settings.height = 30;
+    settings.gloss = 0.4f;
     std::vector<Image> shown;
     const Image refined = render(*solid, Studio({}), camera, settings, {},
                                  [&](Image image) { shown.push_back(std::move(image)); }),
@@ -321,7 +325,8 @@ TEST(RenderSolid, EveryModeShowsItsSolid) {
   Particles one;
   one.box = Vec3(2, 2, 2);
   one.resize(1);
-  one.position[0] = Vec3(1, 1, 1), one.color[0] = Vec3f(0.1f, 0.6f, 0.1f);
+  one.position[0] = Vec3(1, 1, 1);
+  one.color[0] = Vec3f(0.1f, 0.6f, 0.1f);
   const std::multimap<std::string, Value> inputs = {{"volume", volume},
                                                     {"object", Value::of(ball)},
                                                     {"particles", Value::of(one)},

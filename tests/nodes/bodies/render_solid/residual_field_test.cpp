@@ -91,9 +91,11 @@ TEST(ResidualField, HidesThatTheTileRepeats) {
     Random r(4, 4, k);
     const Vec3f at(float(r.uniform(0, 40)), float(r.uniform(0, 40)), float(r.uniform(0, 40)));
     const Vec3f a = field.at(at, -1), b = field.at(at + Vec3f(4 * float(1 + k % 5), 0, 0), -1);
-    same += a.dot(b), square += a.squaredNorm();
+    same += a.dot(b);
+    square += a.squaredNorm();
     const Vec3f p = field.at(at, 5);
-    plain += p.squaredNorm(), between += p.dot(field.at(at, 6));
+    plain += p.squaredNorm();
+    between += p.dot(field.at(at, 6));
     in_particle += p.dot(field.at(at + Vec3f(4, 0, 0), 5));
   }
   EXPECT_NEAR(in_particle / plain, 1, 0.01);  // it does repeat there, so the test would detect it
@@ -108,7 +110,9 @@ TEST(ResidualField, EveryBodyTakesIt) {
   Particles p;
   p.box = Vec3(4, 4, 4);
   p.resize(1);
-  p.position[0] = Vec3(2, 2, 2), p.scale[0] = 2, p.color[0] = Vec3f(0.3f, 0.2f, 0.1f);
+  p.position[0] = Vec3(2, 2, 2);
+  p.scale[0] = 2;
+  p.color[0] = Vec3f(0.3f, 0.2f, 0.1f);
   p.binder_color = Vec3f(0.6f, 0.6f, 0.5f);
   const Volume v = noise_volume(8, 0.5, 0.05f);
   const ResidualField field(v, p.box);

@@ -30,7 +30,8 @@ inline Shape square_ring() {
     for (double r : {outer, inner})
       for (int k = 0; k < 4; ++k) m.vertices.emplace_back(k == 0 || k == 3 ? r : -r, k < 2 ? r : -r, z);
   auto quad = [&](int a, int b, int c, int d) {
-    m.triangles.push_back({a, b, c}), m.triangles.push_back({a, c, d});
+    m.triangles.push_back({a, b, c});
+    m.triangles.push_back({a, c, d});
   };
   for (int k = 0; k < 4; ++k) {
     const int n = (k + 1) % 4;
@@ -80,8 +81,11 @@ inline Particles apart_particles(std::uint64_t seed, int n, double box, double l
   q.resize(kept.size());
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const int k = kept[i];
-    q.position[i] = p.position[k], q.orientation[i] = p.orientation[k], q.scale[i] = p.scale[k];
-    q.color[i] = p.color[k], q.cls[i] = p.cls[k];
+    q.position[i] = p.position[k];
+    q.orientation[i] = p.orientation[k];
+    q.scale[i] = p.scale[k];
+    q.color[i] = p.color[k];
+    q.cls[i] = p.cls[k];
   }
   return q;
 }

@@ -39,7 +39,8 @@ Packing three_cubes() {
 
 Detail noise() {
   Detail d;
-  d.pixel_size = 0.1, d.size = 16;
+  d.pixel_size = 0.1;
+  d.size = 16;
   for (std::uint64_t k = 0; k < 2; ++k) {
     Detail::Phase phase;
     for (std::uint64_t i = 0; i < 16 * 16 * 16; ++i)

@@ -20,9 +20,12 @@ Truth truth_of(const Particles& p, const Shapes& shapes) {
   for (std::size_t i = 0; i < p.count(); ++i) {
     const Shape& s = shapes.shapes[p.shape[i]];
     const double k = p.scale[i];
-    t.H_sum += s.mean_caliper * k, t.S_sum += s.surface_area * k * k, t.V_sum += s.volume * k * k * k;
+    t.H_sum += s.mean_caliper * k;
+    t.S_sum += s.surface_area * k * k;
+    t.V_sum += s.volume * k * k * k;
   }
-  t.N_V = p.count() / volume, t.V_V = t.V_sum / volume;
+  t.N_V = p.count() / volume;
+  t.V_V = t.V_sum / volume;
   return t;
 }
 
@@ -51,7 +54,9 @@ TEST_P(SectionIdentities, HoldForRandomPlanes) {
   const Particles particles = random_particles(GetParam(), 400, 12, 0.4, 1.2, 2);
   const Truth truth = truth_of(particles, shapes);
   SectionOptions choice;
-  choice.axis = "random", choice.planes = 300, choice.seed = 7 + GetParam();
+  choice.axis = "random";
+  choice.planes = 300;
+  choice.seed = 7 + GetParam();
   const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 1));
   const Sums sums = sums_of(s);
   const double volume = particles.box.prod();
@@ -76,7 +81,8 @@ TEST(SectionIdentitiesAxis, AllDepthsIntegrateToVolumeAndCaliper) {
   const Truth truth = truth_of(particles, shapes);
   for (const char* axis : {"x", "y", "z"}) {
     SectionOptions choice;
-    choice.axis = axis, choice.planes = 600;
+    choice.axis = axis;
+    choice.planes = 600;
     const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 2));
     double area = 0, extent = 0;
     for (const Profile& p : s.profiles.profiles) {
@@ -90,7 +96,8 @@ TEST(SectionIdentitiesAxis, AllDepthsIntegrateToVolumeAndCaliper) {
       double lo = 1e9, hi = -1e9;
       for (const Vec3& v : shapes.shapes[0].mesh.vertices) {
         const double h = (particles.orientation[i] * v)[k] * particles.scale[i];
-        lo = std::min(lo, h), hi = std::max(hi, h);
+        lo = std::min(lo, h);
+        hi = std::max(hi, h);
       }
       extent += hi - lo;
     }
@@ -104,13 +111,16 @@ TEST(SectionIdentitiesHoles, RingsMeetTheEulerIdentity) {
   Shapes shapes{{test::square_ring()}};
   const Particles particles = random_particles(3, 60, 12, 0.6, 1.2);
   SectionOptions choice;
-  choice.axis = "random", choice.planes = 400, choice.seed = 5;
+  choice.axis = "random";
+  choice.planes = 400;
+  choice.seed = 5;
   const Section s = cut_section(particles, shapes, choose_planes(choice, particles.box, true, 1));
   // The shape must produce regions with holes and multiple regions.
   double chi = 0, holes = 0;
   for (std::size_t i = 0; i < s.table.rows.size(); ++i) {
     const double w = s.table.number(i, "weight"), h = s.table.number(i, "holes");
-    chi += w * (1 - h), holes += h;
+    chi += w * (1 - h);
+    holes += h;
   }
   EXPECT_GT(holes, 20);
   double scales = 0;

@@ -72,11 +72,13 @@ TEST(Section, AFreePlaneIsPlacedByItsNormalAndAPoint) {
   const Shapes shapes{{test::cube()}};
   const Particles p = one_cube({2, 2, 2});
   SectionOptions choice;
-  choice.axis = "free", choice.width = choice.height = 4;
+  choice.axis = "free";
+  choice.width = choice.height = 4;
   for (const auto& [normal, area] : {std::pair(Vec3(0, 0, 2), 1.0),
                                      {Vec3(1, 1, 0), std::sqrt(2.0)},
                                      {Vec3(1, 1, 1), 0.75 * std::sqrt(3.0)}}) {
-    choice.normal = normal, choice.through.reset();
+    choice.normal = normal;
+    choice.through.reset();
     const Section s = cut(p, shapes, choice);
     ASSERT_EQ(s.profiles.profiles.size(), 1u);
     EXPECT_NEAR(s.profiles.profiles[0].area, area, 1e-9) << normal.transpose();
@@ -98,7 +100,8 @@ TEST(Section, PictureLabelsAndProfilesAgree) {
   const Particles p = apart_particles(2, 3000, 10, 0.5, 1.5, shapes.shapes[0]);
   for (const char* axis : {"z", "random"}) {
     SectionOptions choice;
-    choice.axis = axis, choice.planes = 2;
+    choice.axis = axis;
+    choice.planes = 2;
     const Section s = cut(p, shapes, choice, 0.02);
     const double pixel = s.image.pixel_size * s.image.pixel_size;
     std::vector<double> pixels(s.profiles.profiles.size() + 1, 0.0);
@@ -144,7 +147,10 @@ TEST(Section, BoxesThatTouchFillThePlane) {
   const Shapes shapes{{test::cube(2)}};
   Particles p = one_cube({1, 1, 1});
   p.resize(4);
-  for (int i = 0; i < 4; ++i) p.position[i] = {i % 2 ? 3.0 : 1.0, i / 2 ? 3.0 : 1.0, 1}, p.scale[i] = 1;
+  for (int i = 0; i < 4; ++i) {
+    p.position[i] = {i % 2 ? 3.0 : 1.0, i / 2 ? 3.0 : 1.0, 1};
+    p.scale[i] = 1;
+  }
   SectionOptions choice;
   choice.offsets = {1};
   const Section s = cut(p, shapes, choice);
@@ -157,13 +163,19 @@ TEST(Section, BordersOfRandomWindowsAreWeighted) {
   const Shapes shapes{{test::cube()}};
   const Particles p = random_particles(4, 300, 10, 0.8, 1.6);
   SectionOptions choice;
-  choice.axis = "random", choice.planes = 20, choice.width = 6, choice.height = 3;
+  choice.axis = "random";
+  choice.planes = 20;
+  choice.width = 6;
+  choice.height = 3;
   const Section s = cut(p, shapes, choice);
   EXPECT_DOUBLE_EQ(s.profiles.observed_area, 360);
   int cut_ones = 0;
   for (const Profile& q : s.profiles.profiles) {
     Vec2 lo = q.contour[0], hi = lo;
-    for (const Vec2& v : q.contour) lo = lo.cwiseMin(v), hi = hi.cwiseMax(v);
+    for (const Vec2& v : q.contour) {
+      lo = lo.cwiseMin(v);
+      hi = hi.cwiseMax(v);
+    }
     EXPECT_GE(lo.minCoeff(), 0);
     EXPECT_LE(hi.x(), 6);
     EXPECT_LE(hi.y(), 3);

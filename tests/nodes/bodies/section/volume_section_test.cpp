@@ -20,7 +20,9 @@ Volume block_volume(const openvdb::Coord& corner, bool with_id = true, bool peri
   auto color = openvdb::Vec3SGrid::create();
   auto density = openvdb::FloatGrid::create();
   auto id = openvdb::Int32Grid::create(-1);
-  color->setName("Cd"), density->setName("density"), id->setName("id");
+  color->setName("Cd");
+  density->setName("density");
+  id->setName("id");
   for (int i = 0; i < n * n * n; ++i) {
     const openvdb::Coord c(i % n, i / n % n, i / n / n);
     color->tree().setValue(
@@ -69,7 +71,9 @@ TEST(SectionOfVolume, AxesAreSeenAsExemplarsOfSolidTexturesAre) {
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x) {
         Vec3f at;
-        at[a] = 3, at[kSliceColumns[a]] = static_cast<float>(x), at[kSliceRows[a]] = static_cast<float>(y);
+        at[a] = 3;
+        at[kSliceColumns[a]] = static_cast<float>(x);
+        at[kSliceRows[a]] = static_cast<float>(y);
         ASSERT_LT((s.image.at(x, n - 1 - y) - at).norm(), 1e-5) << a;
       }
   }
@@ -113,7 +117,8 @@ TEST(SectionOfVolume, ABallStaysWholeWhereverItIsCut) {
   for (int i = 0; i < n * n; ++i) layer += (i % n - 8) * (i % n - 8) + (i / n - 8) * (i / n - 8) < 36;
   EXPECT_NEAR(flat.profiles.profiles[0].area, layer * voxel * voxel, 1e-12);
   SectionOptions choice;
-  choice.axis = "random", choice.planes = 40;
+  choice.axis = "random";
+  choice.planes = 40;
   const VolumeBox box = volume_box(v);
   const VolumeSection s = cut_volume(v, choose_planes(choice, box.size, box.periodic, voxel / 4));
   // A window of 4 × 4 mm rarely shows more than four periodic images of the ball, each as one region.
@@ -137,7 +142,8 @@ TEST(SectionOfVolume, NodeTakesAVolumeAndOnlyThat) {
   EXPECT_EQ(run.output<Image>("image").sections, 3);
   EXPECT_GT(run.metrics.at("area_fraction"), 0);
   Particles p;
-  p.box = Vec3::Ones(), p.resize(1);
+  p.box = Vec3::Ones();
+  p.resize(1);
   EXPECT_THROW(test::run_node("Section", {{"volume", v}, {"particles", Value::of(p)}}), Error);
   EXPECT_THROW(test::run_node("Section", {{"volume", Value::of(Volume{})}}), Error);
   Volume other = block_volume({2, 2, 2});

@@ -23,7 +23,10 @@ using test::code_of;
 
 Profile profile(double size, Vec3f color, double weight = 1, int cls = 0) {
   Profile p;
-  p.area = std::numbers::pi * size * size / 4, p.color = color, p.weight = weight, p.cls = cls;
+  p.area = std::numbers::pi * size * size / 4;
+  p.color = color;
+  p.weight = weight;
+  p.cls = cls;
   return p;
 }
 
@@ -31,7 +34,10 @@ Particles particles(std::size_t n, double size = 1, int cls = 0) {
   Particles p;
   p.box = Vec3::Constant(10);
   p.resize(n);
-  for (std::size_t i = 0; i < n; ++i) p.size[i] = size, p.cls[i] = cls;
+  for (std::size_t i = 0; i < n; ++i) {
+    p.size[i] = size;
+    p.cls[i] = cls;
+  }
   return p;
 }
 
@@ -97,7 +103,8 @@ TEST(Colorize, SectionsOfASphereHaveTheirClosedFormLikelihood) {
   double total = 0, mean = 0;  // bins of 0.1 of the diameter tile [0, 1]
   for (int i = 0; i < 10; ++i) {
     const double p = profile_likelihood(0.1 * i + 0.05, 1);
-    total += p, mean += p * (0.1 * i + 0.05);
+    total += p;
+    mean += p * (0.1 * i + 0.05);
   }
   EXPECT_NEAR(total, 1, 1e-12);
   EXPECT_NEAR(mean, std::numbers::pi / 4, 0.02);  // E[diameter] = πD/4

@@ -18,8 +18,10 @@ void expect_uniform(Draw&& draw) {
     const Quat q = draw(r);
     EXPECT_NEAR(q.norm(), 1, 1e-12);
     const Mat3 m = q.toRotationMatrix();
-    mean += m / kCount, square += m.cwiseAbs2() / kCount;
-    trace += m.trace() / kCount, trace_square += m.trace() * m.trace() / kCount;
+    mean += m / kCount;
+    square += m.cwiseAbs2() / kCount;
+    trace += m.trace() / kCount;
+    trace_square += m.trace() * m.trace() / kCount;
   }
   EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.015);
   EXPECT_LT((square - Mat3::Constant(1.0 / 3)).cwiseAbs().maxCoeff(), 0.01);
@@ -45,7 +47,8 @@ TEST(Directions, RandomDirectionsAreUniform) {
   for (int i = 0; i < 40000; ++i) {
     Random r(5, 1, static_cast<std::uint64_t>(i));
     const Vec3 d = random_direction(r);
-    mean += d / 40000, moments += d * d.transpose() / 40000;
+    mean += d / 40000;
+    moments += d * d.transpose() / 40000;
   }
   EXPECT_LT(mean.norm(), 0.015);
   EXPECT_LT((moments - Mat3::Identity() / 3).cwiseAbs().maxCoeff(), 0.01);

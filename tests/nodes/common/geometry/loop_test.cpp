@@ -32,7 +32,9 @@ TEST(Loops, AreaAndInside) {
     double area = 0, around = 0, turned = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const Vec2 &a = loop[i], &b = loop[(i + 1) % n], &d = loop[(i + 2) % n];
-      area += cross(a - c, b - c) / 2, around += (b - a).norm(), turned += turn_between(b - a, d - b);
+      area += cross(a - c, b - c) / 2;
+      around += (b - a).norm();
+      turned += turn_between(b - a, d - b);
     }
     EXPECT_NEAR(loop_area(loop), area, 1e-12);
     EXPECT_NEAR(loop_perimeter(loop), around, 1e-12);

@@ -62,7 +62,8 @@ Mesh bumpy(std::uint64_t seed, bool ring) {
     }
   if (!ring) {
     const auto top = static_cast<std::int32_t>(m.vertices.size());
-    m.vertices.emplace_back(0, 0, 1), m.vertices.emplace_back(0, 0, -1);
+    m.vertices.emplace_back(0, 0, 1);
+    m.vertices.emplace_back(0, 0, -1);
     for (int i = 0; i < kAround; ++i) {
       m.triangles.push_back({top, at(i, 0), at(i + 1, 0)});
       m.triangles.push_back({top + 1, at(i + 1, rows - 1), at(i, rows - 1)});
@@ -181,12 +182,17 @@ TEST(MeshSection, VolumeSurfaceAndEulerFromRandomSections) {
     for (int i = 0; i < directions; ++i) {
       const Vec3 u = random_direction(r);
       double lo = 1e9, hi = -1e9;
-      for (const Vec3& v : m.vertices) lo = std::min(lo, u.dot(v)), hi = std::max(hi, u.dot(v));
+      for (const Vec3& v : m.vertices) {
+        lo = std::min(lo, u.dot(v));
+        hi = std::max(hi, u.dot(v));
+      }
       const double step = (hi - lo) / depths, shift = r.uniform();
       for (int k = 0; k < depths; ++k)
         for (const Loop& l : section_loops(m, frame(u), lo + (k + shift) * step)) {
           const double area = loop_area(l);
-          volume += step * area, perimeter += step * loop_perimeter(l), euler += area > 0 ? step : -step;
+          volume += step * area;
+          perimeter += step * loop_perimeter(l);
+          euler += area > 0 ? step : -step;
         }
     }
     EXPECT_NEAR(volume / directions / mesh_volume(m), 1, 0.01);
@@ -216,13 +222,17 @@ TEST(ProfileSweep, AgreesWithSlicesOfRandomBodies) {
       double volume = 0, total = 0, count = 0, holes = 0;
       for (const ProfileRange& p : sweep.sweep(u)) {
         volume += p.area.thickness * (p.area.low + 4 * p.area.middle + p.area.high) / 6;
-        count += p.area.thickness, holes += p.area.thickness * p.holes;
+        count += p.area.thickness;
+        holes += p.area.thickness * p.holes;
       }
       for (const AreaRange& a : all.sweep(u)) total += a.thickness * (a.low + 4 * a.middle + a.high) / 6;
       EXPECT_NEAR(volume, mesh_volume(m), 1e-7);
       EXPECT_NEAR(total, mesh_volume(m), 1e-7);
       double lo = 1e9, hi = -1e9;
-      for (const Vec3& v : m.vertices) lo = std::min(lo, u.dot(v)), hi = std::max(hi, u.dot(v));
+      for (const Vec3& v : m.vertices) {
+        lo = std::min(lo, u.dot(v));
+        hi = std::max(hi, u.dot(v));
+      }
       const int depths = 300;
       double sliced = 0, sliced_holes = 0;
       for (int k = 0; k < depths; ++k)
@@ -323,7 +333,8 @@ TEST(MeasureShape, CentersAndRefuses) {
 TEST(MeasureShape, ProbabilitiesSumToOne) {
   Shapes shapes;
   shapes.shapes.resize(2);
-  shapes.shapes[0].probability = 3, shapes.shapes[1].probability = 1;
+  shapes.shapes[0].probability = 3;
+  shapes.shapes[1].probability = 1;
   normalize_probabilities(shapes);
   EXPECT_DOUBLE_EQ(shapes.shapes[0].probability, 0.75);
   shapes.shapes[0].probability = -1;

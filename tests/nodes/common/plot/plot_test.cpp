@@ -23,7 +23,10 @@ Plot bars(const std::vector<double>& heights) {
   Plot plot;
   PlotSeries s;
   s.kind = PlotSeries::Kind::Bars;
-  for (std::size_t i = 0; i < heights.size(); ++i) s.x.push_back(double(i)), s.y.push_back(heights[i]);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    s.x.push_back(double(i));
+    s.y.push_back(heights[i]);
+  }
   plot.series = {s};
   return plot;
 }
@@ -57,7 +60,10 @@ TEST(Plot, BarsStandSideBySide) {
   plot.series[1].color = 1;
   const Image image = draw(plot);
   int first_only = 0, second = 0;
-  for (const Vec3f& c : image.pixels) first_only += is(c, 0, 114, 178), second += is(c, 213, 94, 0);
+  for (const Vec3f& c : image.pixels) {
+    first_only += is(c, 0, 114, 178);
+    second += is(c, 213, 94, 0);
+  }
   EXPECT_NEAR(first_only, second, 0.02 * second);
   EXPECT_GT(second, 10000);
 }
@@ -65,7 +71,8 @@ TEST(Plot, BarsStandSideBySide) {
 TEST(Plot, LinesPassThroughTheirPointsAndBreakAtNaN) {
   Plot plot;
   PlotSeries s;
-  s.x = {0, 1, 2, 3, 4}, s.y = {1, 1, NAN, 1, 1};
+  s.x = {0, 1, 2, 3, 4};
+  s.y = {1, 1, NAN, 1, 1};
   plot.series = {s};
   const Image image = draw(plot);
   int columns = 0, first = image.width, last = 0;
@@ -86,7 +93,10 @@ TEST(Plot, SeriesThatShareNoPlaceStandOnTheirTicks) {
   int left = image.width, right = 0;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)
-      if (is(image.at(x, y), 0, 114, 178)) left = std::min(left, x), right = std::max(right, x);
+      if (is(image.at(x, y), 0, 114, 178)) {
+        left = std::min(left, x);
+        right = std::max(right, x);
+      }
   const Image alone = draw(bars({3, NAN}));
   int left_alone = image.width, right_alone = 0;
   for (int y = 0; y < image.height; ++y)
@@ -100,7 +110,8 @@ TEST(Plot, SeriesThatShareNoPlaceStandOnTheirTicks) {
 TEST(Plot, WhiskersShowIntervals) {
   Plot plot = bars({2, 2});
   const Image without = draw(plot);
-  plot.series[0].low = {1, 1}, plot.series[0].high = {2, 2};
+  plot.series[0].low = {1, 1};
+  plot.series[0].high = {2, 2};
   const Image with = draw(plot);
   int changed = 0;
   for (std::size_t i = 0; i < with.pixels.size(); ++i)
@@ -112,7 +123,8 @@ TEST(Plot, SurvivesWhatCannotBeDrawn) {
   Plot empty;
   EXPECT_EQ(draw(empty).width, 720);
   Plot bad = bars({NAN, INFINITY});
-  bad.series[0].low = {NAN}, bad.series[0].high = {-INFINITY};
+  bad.series[0].low = {NAN};
+  bad.series[0].high = {-INFINITY};
   bad.log_y = true;
   const Image image = draw(bad);
   for (const Vec3f& c : image.pixels) ASSERT_TRUE(c.allFinite());
@@ -126,7 +138,8 @@ TEST(Plot, SurvivesWhatCannotBeDrawn) {
 
 TEST(Plot, SeveralStandInRows) {
   Plot small;
-  small.width = 200, small.height = 150;
+  small.width = 200;
+  small.height = 150;
   const Image sheet = draw({small, small, small}, 2);
   EXPECT_EQ(sheet.width, 400);
   EXPECT_EQ(sheet.height, 300);
@@ -163,7 +176,10 @@ TEST(Text, WidthIsThatOfTheWordsDrawn) {
     int last = 0, first = 400;
     for (int x = 0; x < 400; ++x)
       for (int y = 0; y < 40; ++y)
-        if (image.at(x, y).x() < 0.5f) last = std::max(last, x), first = std::min(first, x);
+        if (image.at(x, y).x() < 0.5f) {
+          last = std::max(last, x);
+          first = std::min(first, x);
+        }
     EXPECT_GE(first, 10);
     EXPECT_LT(last, 10 + width);
     EXPECT_GT(last, 10 + width - 6);

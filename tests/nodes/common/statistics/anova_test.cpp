@@ -131,7 +131,8 @@ TEST(Anova, TheCorrectionKeepsItsLevelWithUnequalVariances) {
     }
     const auto e = repeated_anova(y, 5, 1, kNames);
     ASSERT_EQ(e.size(), 1u);
-    plain += e[0].p < 0.05, corrected += e[0].corrected_p < 0.05;
+    plain += e[0].p < 0.05;
+    corrected += e[0].corrected_p < 0.05;
   }
   EXPECT_GT(plain / double{kTrials}, 0.07);
   EXPECT_NEAR(corrected / double{kTrials}, 0.05, 0.02);

@@ -22,7 +22,10 @@ Loop ellipse(double a, double b, int n) {
 Loop star(std::uint64_t seed, double amplitude) {
   Random r(seed, 77);
   double c[6], s[6];
-  for (int k = 2; k < 6; ++k) c[k] = amplitude * r.normal() / k, s[k] = amplitude * r.normal() / k;
+  for (int k = 2; k < 6; ++k) {
+    c[k] = amplitude * r.normal() / k;
+    s[k] = amplitude * r.normal() / k;
+  }
   Loop loop;
   for (int i = 0; i < 300; ++i) {
     const double t = 2 * pi * i / 300;

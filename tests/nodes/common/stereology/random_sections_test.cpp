@@ -42,8 +42,12 @@ TEST(RandomSections, MeetTheStereologicalIdentities) {
     for (const auto& section : random_sections(s, 6000, {SectionKind::Random, 5, 0})) {
       double a = 0, p = 0;
       for (const auto& profile : section)
-        for (const auto& loop : profile) a += loop_area(loop), p += loop_perimeter(loop);
-      area.add(a), perimeter.add(p);
+        for (const auto& loop : profile) {
+          a += loop_area(loop);
+          p += loop_perimeter(loop);
+        }
+      area.add(a);
+      perimeter.add(p);
     }
     const Shape& b = s.shapes[0];
     EXPECT_NEAR(area.mean(), b.volume / b.mean_caliper, 4.5 * area.error());

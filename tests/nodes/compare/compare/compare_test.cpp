@@ -140,7 +140,10 @@ SizeDistribution distribution(const std::vector<double>& edges, const std::vecto
   d.class_edges = edges;
   SizeDistribution::Entry e;
   e.N_V = N_V;
-  for (double v : N_V) e.low.push_back(v * (1 - spread)), e.high.push_back(v * (1 + spread));
+  for (double v : N_V) {
+    e.low.push_back(v * (1 - spread));
+    e.high.push_back(v * (1 + spread));
+  }
   d.shapes = {e};
   d.d_max = edges.back();
   return d;

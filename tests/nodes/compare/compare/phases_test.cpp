@@ -15,7 +15,9 @@ using namespace compare;
 // Disks that touch no other, at random.
 Labels disks(std::uint64_t seed, int sections, double radius, double share, int size = 256) {
   Labels l;
-  l.width = l.height = size, l.sections = sections, l.pixel_size = 0.5;
+  l.width = l.height = size;
+  l.sections = sections;
+  l.pixel_size = 0.5;
   l.ids.assign(static_cast<std::size_t>(size) * size * sections, 0);
   Random random(seed);
   for (int s = 0; s < sections; ++s) {
@@ -64,7 +66,8 @@ TEST(ComparePhases, OneSetTwiceDoesNotDiffer) {
 TEST(ComparePhases, StripesHaveTheirClosedForm) {
   const auto stripes = [](int thickness) {
     Labels l;
-    l.width = l.height = 128, l.pixel_size = 0.25;
+    l.width = l.height = 128;
+    l.pixel_size = 0.25;
     for (int y = 0; y < 128; ++y)
       for (int x = 0; x < 128; ++x) l.ids.push_back(y / thickness % 2 ? y / thickness / 2 + 1 : 0);
     l.classes.assign(static_cast<std::size_t>(64 / thickness), 0);
@@ -96,7 +99,9 @@ TEST(ComparePhases, LargerParticlesExceedIt) {
 TEST(ComparePhases, DoesNotDependOnThePixelSize) {
   const Labels fine = disks(5, 1, 16, 0.3);
   Labels coarse = fine;
-  coarse.width = coarse.height = 128, coarse.pixel_size = 1, coarse.ids.clear();
+  coarse.width = coarse.height = 128;
+  coarse.pixel_size = 1;
+  coarse.ids.clear();
   for (int y = 0; y < 128; ++y)
     for (int x = 0; x < 128; ++x) coarse.ids.push_back(fine.ids[fine.index(2 * x, 2 * y)]);
   const Comparison c = compare_labels(fine, coarse);
@@ -109,7 +114,10 @@ TEST(ComparePhases, WhatWasNotObservedDoesNotCount) {
     const Labels other = disks(seed + 70, 8, 10, 0.45);
     Labels missed = disks(seed + 60, 1, 10, 0.45), unobserved = missed;
     for (std::size_t i = 0; i < missed.ids.size(); ++i)
-      if (missed.ids[i] % 3 == 1) missed.ids[i] = 0, unobserved.ids[i] = -1;
+      if (missed.ids[i] % 3 == 1) {
+        missed.ids[i] = 0;
+        unobserved.ids[i] = -1;
+      }
     const Comparison without = compare_labels(missed, other), with = compare_labels(unobserved, other);
     for (const char* item : {"particles", "binder"})
       EXPECT_LT(of(with, item), 0.75 * of(without, item)) << item << seed;

@@ -31,7 +31,8 @@ Image discs(std::uint64_t seed, double radius, int count, int edge = 160) {
     for (int y = 0; y < edge; ++y)
       for (int x = 0; x < edge; ++x) {
         double dx = x - x0, dy = y - y0;
-        dx -= edge * std::round(dx / edge), dy -= edge * std::round(dy / edge);
+        dx -= edge * std::round(dx / edge);
+        dy -= edge * std::round(dy / edge);
         if (dx * dx + dy * dy < radius * radius) image.at(x, y) = Vec3f(0.1f, 0.08f, 0.06f);
       }
   }

@@ -102,7 +102,8 @@ TEST(TextureObserver, SeesWhatAReductionHides) {
       b.at(x, y) = other.at(x / 2, y / 2) * ((x + y) % 2 ? 1.05f : 0.95f);
     }
   CropOptions full = kSmall, reduced = kSmall;
-  full.crops = 64, reduced.scale = 2;
+  full.crops = 64;
+  reduced.scale = 2;
   for (const Verdict& v : verdicts_on(a, b, full)) EXPECT_GT(v.accuracy.share, 0.98) << v.observer;
   for (const Verdict& v : verdicts_on(a, b, reduced))
     EXPECT_NEAR(v.accuracy.share, 0.5, 3 * v.accuracy.error) << v.observer;

@@ -27,7 +27,9 @@ std::vector<LevelField> slices_across(const LevelField& solid, int axis) {
     for (int row = 0; row < f.size.y(); ++row)
       for (int column = 0; column < f.size.x(); ++column) {
         int at[3];
-        at[axis] = k, at[u] = column, at[v] = f.size.y() - 1 - row;
+        at[axis] = k;
+        at[u] = column;
+        at[v] = f.size.y() - 1 - row;
         f.at[f.index(column, row)] = solid.at[solid.index(at[0], at[1], at[2])];
       }
     out.push_back(std::move(f));

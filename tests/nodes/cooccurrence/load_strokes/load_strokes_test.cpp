@@ -61,7 +61,10 @@ TEST(SvgPath, CurvesStayWithinTheTolerance) {
   EXPECT_EQ(s.back(), Vec2(20, 0));
   const auto q = read_path("M0 0 Q 10 20 20 0 T 40 0", 0.01, broken)[0];
   double lowest = 0, highest = 0;
-  for (const auto& p : q) lowest = std::min(lowest, p.y()), highest = std::max(highest, p.y());
+  for (const auto& p : q) {
+    lowest = std::min(lowest, p.y());
+    highest = std::max(highest, p.y());
+  }
   EXPECT_NEAR(highest, 10, 0.02);
   EXPECT_NEAR(lowest, -10, 0.02);
 }

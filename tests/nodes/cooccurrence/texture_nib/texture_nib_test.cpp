@@ -86,7 +86,8 @@ TEST(TextureNib, MatrixAndOccupancyKeepUp) {
     for (std::uint64_t seed = 0; seed < 5; ++seed) {
       NibOptions s;
       s.levels = seed == 3 ? 20 : 5;
-      s.extent = 1 + static_cast<int>(seed % 3), s.scales = 1 + static_cast<int>(seed % 2);
+      s.extent = 1 + static_cast<int>(seed % 3);
+      s.scales = 1 + static_cast<int>(seed % 2);
       if (seed == 2) s.threshold = 0.03;
       const Pairs pairs = seed == 4 ? Pairs::Painted : Pairs::Touching;
       Nib nib = nib_on(picture, {2, 2, 40, 40}, finish, s, seed, pairs);
@@ -127,7 +128,8 @@ TEST(TextureNib, WithPaintedPairsTheSurroundingsDoNotMatter) {
   for (const Pairs pairs : {Pairs::Touching, Pairs::Painted}) {
     Nib a = nib_on(picture, {0, 0, 30, 64}, Finish::Levels, {}, 1, pairs),
         b = nib_on(other, {0, 0, 30, 64}, Finish::Levels, {}, 1, pairs);
-    a.paint(stroke), b.paint(stroke);
+    a.paint(stroke);
+    b.paint(stroke);
     std::size_t different = 0;
     for (const auto p : footprint_of(stroke, 64, 64))
       different += a.base_relative()[p] != b.base_relative()[p];

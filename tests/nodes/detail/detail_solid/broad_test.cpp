@@ -59,7 +59,8 @@ TEST(DetailBroad, EdgesBetweenZonesAreNoGrain) {
     return Vec3f(Vec3f::Constant((id == 0 ? binder : 0.8f) + grain));
   });
   PhaseOptions choice;
-  choice.groups = 1, choice.specks = 0;
+  choice.groups = 1;
+  choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   const std::size_t used = p.pixels[0];
   split_broad(p, drawn.labels);

@@ -19,7 +19,8 @@ template <class Color>
 DrawnPicture draw_disks(int size, int step, double radius, Color&& encoded) {
   DrawnPicture out{Image(size, size, 1, 0.1), {}};
   Labels& l = out.labels;
-  l.width = l.height = size, l.pixel_size = 0.1;
+  l.width = l.height = size;
+  l.pixel_size = 0.1;
   l.ids.assign(static_cast<std::size_t>(size) * size, 0);
   const int n = size / step;
   l.classes.assign(static_cast<std::size_t>(n) * n, 0);

@@ -29,7 +29,9 @@ test::DrawnPicture lit_disks(float light, float shadow) {
 
 Detail light_of(const test::DrawnPicture& drawn, Phases* left = nullptr) {
   PhaseOptions choice;
-  choice.groups = 1, choice.edge = 0, choice.specks = 0;
+  choice.groups = 1;
+  choice.edge = 0;
+  choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
   d.pixel_size = 0.1;

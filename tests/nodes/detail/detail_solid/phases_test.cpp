@@ -96,7 +96,8 @@ TEST(DetailRims, ABandAlongOutlinesIsFound) {
     return Vec3f::Constant(id ? 0.3f : d < 4 ? 0.6f : 0.5f);
   });
   PhaseOptions choice;
-  choice.edge = 0, choice.specks = 0;
+  choice.edge = 0;
+  choice.specks = 0;
   Phases p = find_phases(drawn.image, drawn.labels, choice);
   Detail d;
   d.phases.resize(p.pixels.size());
@@ -119,7 +120,8 @@ TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
   constexpr int kSide = 320;
   Image image(kSide, kSide, 1, 0.1);
   Labels labels;
-  labels.width = labels.height = kSide, labels.pixel_size = 0.1;
+  labels.width = labels.height = kSide;
+  labels.pixel_size = 0.1;
   labels.ids.assign(static_cast<std::size_t>(kSide) * kSide, 0);
   for (int y = 0; y < kSide; ++y)
     for (int x = 0; x < kSide; ++x) {
@@ -132,7 +134,8 @@ TEST(DetailRims, LargeAndSmallProfilesHaveTheirOwn) {
     }
   labels.classes.assign(16, 0);
   PhaseOptions choice;
-  choice.edge = 0, choice.specks = 0;
+  choice.edge = 0;
+  choice.specks = 0;
   Phases p = find_phases(image, labels, choice);
   Detail d;
   d.pixel_size = 0.1;
@@ -198,7 +201,10 @@ TEST(DetailBroad, FieldsHaveTheModelsCovariance) {
     for (int y = 0; y < 48; ++y)
       for (int x = 0; x < 48; ++x) {
         const Vec3f a = at(x, y, z);
-        sum += a.x(), square += a.x() * a.x(), at4 += a.x() * at(x + 4, y, z).x(), other += a.y() * a.y();
+        sum += a.x();
+        square += a.x() * a.x();
+        at4 += a.x() * at(x + 4, y, z).x();
+        other += a.y() * a.y();
         EXPECT_EQ(a.z(), 0);
       }
   EXPECT_NEAR(sum / v.size(), 0, 1e-4);
@@ -226,7 +232,8 @@ TEST(DetailSpectrum, SlicesGetThePhotographsCovariance) {
   for (int z = 0; z < n; ++z)
     for (int y = 0; y < n; ++y)
       for (int x = 0; x < n; ++x) {
-        square += at(x, y, z) * at(x, y, z), next += at(x, y, z) * at(x + 1, y, z);
+        square += at(x, y, z) * at(x, y, z);
+        next += at(x, y, z) * at(x + 1, y, z);
         diagonal += at(x, y, z) * at(x + 1, y + 1, z);
       }
   EXPECT_NEAR(std::sqrt(square / tile.size()), 0.02, 0.003);
@@ -255,8 +262,10 @@ TEST(DetailSpectrum, ChromaGetsASpectrumOfItsOwn) {
       for (int x = 0; x < n; ++x) {
         const Vec3f &a = tile[static_cast<std::size_t>(z * n + y) * n + x],
                     &b = tile[static_cast<std::size_t>(z * n + y) * n + (x + 1) % n];
-        light += a.mean() * a.mean(), light_next += a.mean() * b.mean();
-        chroma += (a.x() - a.z()) * (a.x() - a.z()), chroma_next += (a.x() - a.z()) * (b.x() - b.z());
+        light += a.mean() * a.mean();
+        light_next += a.mean() * b.mean();
+        chroma += (a.x() - a.z()) * (a.x() - a.z());
+        chroma_next += (a.x() - a.z()) * (b.x() - b.z());
       }
   EXPECT_NEAR(std::sqrt(light / tile.size()), 0.03, 0.004);
   EXPECT_NEAR(std::sqrt(chroma / tile.size()), 0.04, 0.006);
@@ -344,7 +353,8 @@ TEST(DetailTiles, PicturesWithoutTextureGiveNoGrain) {
   for (const auto& [width, height, contrast] : {std::tuple{400, 6, 0.1f}, {64, 64, 0.0f}}) {
     Image image(width, height, 1, 0.1);
     Labels labels;
-    labels.width = width, labels.height = height;
+    labels.width = width;
+    labels.height = height;
     labels.ids.assign(image.pixels.size(), 0);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x)

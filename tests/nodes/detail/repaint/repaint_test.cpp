@@ -27,7 +27,8 @@ test::DrawnPicture striped_disks() {
 // A tile for the binder and one for all profiles, each of one value.
 Detail even_detail(float binder, float profiles) {
   Detail d;
-  d.pixel_size = 0.1, d.size = 4;
+  d.pixel_size = 0.1;
+  d.size = 4;
   d.phases.resize(2);
   d.phases[1].color = Vec3f::Constant(0.4f);
   d.phases[0].tile.assign(64, Vec3f::Constant(binder));
@@ -104,7 +105,8 @@ TEST(Repaint, RejectsWhatDoesNotFit) {
 TEST(Repaint, APictureWithoutParticlesIsBinder) {
   const auto drawn = striped_disks();
   Labels none = drawn.labels;
-  std::fill(none.ids.begin(), none.ids.end(), 0), none.classes.clear();
+  std::fill(none.ids.begin(), none.ids.end(), 0);
+  none.classes.clear();
   const Detail detail = even_detail(0.02f, 0);
   const Image out = repaint(drawn.image, none, &detail, 1);
   EXPECT_NEAR(

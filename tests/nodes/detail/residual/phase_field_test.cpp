@@ -18,7 +18,8 @@ using residual::ResidualField;
 // Tiles of white noise: deviation 0.1 in the binder, 0.2 and 0.4 in the groups of dark and light particles.
 Detail noise_detail(int size = 16) {
   Detail d;
-  d.pixel_size = 0.5, d.size = size;
+  d.pixel_size = 0.5;
+  d.size = size;
   for (int k = 0; k < 3; ++k) {
     Detail::Phase phase;
     phase.color = Vec3f::Constant(k == 2 ? 0.8f : 0.1f);
@@ -81,7 +82,8 @@ TEST(PhaseField, ParticlesOfAGroupShowDifferentParts) {
     const Vec3 offset(r.uniform(-4, 4), r.uniform(-4, 4), r.uniform(-4, 4));
     const float a = field.at((p.position[0] + offset).cast<float>(), 0).x(),
                 b = field.at((p.position[1] + offset).cast<float>(), 1).x();
-    product += a * b, square += a * a;
+    product += a * b;
+    square += a * a;
   }
   EXPECT_LT(std::abs(product / square), 0.1);
 }
@@ -120,7 +122,8 @@ TEST(PhaseField, SlopesAddAtMostOneDeviation) {
   p.box.setConstant(100);
   p.resize(200);
   for (std::size_t k = 0; k < p.count(); ++k) {
-    p.position[k].setConstant(50), p.size[k] = 2;
+    p.position[k].setConstant(50);
+    p.size[k] = 2;
     p.color[k].setConstant(0.5f);
   }
   Detail d = noise_detail();
@@ -166,7 +169,9 @@ TEST(PhaseField, ChromaHasAContrastOfItsOwn) {
   Detail d = noise_detail();
   for (std::uint64_t i = 0; i < d.phases[1].tile.size(); ++i)
     d.phases[1].tile[i] += Vec3f(1, 0, -1) * static_cast<float>(0.1 * Random(1, 9, i).normal());
-  d.profile_color = {p.color[0]}, d.profile_size = {8}, d.profile_contrast = {{1, 0.25f}};
+  d.profile_color = {p.color[0]};
+  d.profile_size = {8};
+  d.profile_contrast = {{1, 0.25f}};
   const ResidualField field(d, p, 0);
   d.profile_contrast = {{1, 1}};
   const ResidualField plain(d, p, 0);
@@ -201,7 +206,10 @@ TEST(PhaseField, ZonesHaveAContrastOfTheirOwn) {
 TEST(PhaseField, AParticleShowsTheGroupOfItsProfile) {
   const Particles p = two_particles();  // the first one's color is near to that of the dark group
   Detail d = noise_detail();
-  d.profile_color = {p.color[0]}, d.profile_size = {8}, d.profile_contrast = {{1, 1}}, d.profile_group = {2};
+  d.profile_color = {p.color[0]};
+  d.profile_size = {8};
+  d.profile_contrast = {{1, 1}};
+  d.profile_group = {2};
   EXPECT_NEAR(deviation(ResidualField(d, p, 0), 0, p.position[0]) /
                   deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]),
               2, 0.2);
@@ -210,7 +218,9 @@ TEST(PhaseField, AParticleShowsTheGroupOfItsProfile) {
 TEST(PhaseField, ASimilarProfileHasTheSizeToo) {
   Particles p = two_particles();
   Detail d = noise_detail();
-  d.profile_color = {p.color[0], p.color[0]}, d.profile_size = {1, 8}, d.profile_contrast = {{3, 3}, {1, 1}};
+  d.profile_color = {p.color[0], p.color[0]};
+  d.profile_size = {1, 8};
+  d.profile_contrast = {{3, 3}, {1, 1}};
   const double plain = deviation(ResidualField(noise_detail(), p, 0), 0, p.position[0]);
   EXPECT_NEAR(deviation(ResidualField(d, p, 0), 0, p.position[0]) / plain, 1, 1e-3);
   p.size[0] = 1.2;

@@ -54,12 +54,17 @@ TEST(WaveField, HasItsCovariance) {
 // The binder is dark with the probability of the level, by distance, and has the offsets of its zones.
 TEST(WaveField, ZonesHaveTheirShares) {
   Detail d;
-  d.pixel_size = 1, d.size = 8, d.softness = 0.1;
+  d.pixel_size = 1;
+  d.size = 8;
+  d.softness = 0.1;
   Detail::Phase flat;
   flat.tile.assign(512, Vec3f::Zero());
   d.phases.assign(2, flat);
-  d.zones.sigma = {2.0f}, d.zones.variance = {1.0f}, d.zones.level = {-0.6745f, -0.6745f, 0.6745f};
-  d.zones.dark.setConstant(-0.3f), d.zones.light.setConstant(0.2f);
+  d.zones.sigma = {2.0f};
+  d.zones.variance = {1.0f};
+  d.zones.level = {-0.6745f, -0.6745f, 0.6745f};
+  d.zones.dark.setConstant(-0.3f);
+  d.zones.light.setConstant(0.2f);
   Particles p;
   p.box = kBox;
   const residual::ResidualField field(d, p, 0.01);
@@ -69,7 +74,8 @@ TEST(WaveField, ZonesHaveTheirShares) {
     constexpr int kPoints = 40000;
     for (int n = 0; n < kPoints; ++n) {
       const float v = field.at(somewhere(random), -1, depth).x();
-      dark += v<-0.05f, between += v> - 0.29f && v < 0.19f;
+      dark += v < -0.05f;
+      between += v > -0.29f && v < 0.19f;
       ASSERT_TRUE(v >= -0.301f && v <= 0.201f);
     }
     EXPECT_NEAR(dark / kPoints, share, 0.03);

@@ -29,7 +29,9 @@ struct Picture {
 Picture discs(int w, int h, double grain, double blur = 1.5) {
   Picture p;
   p.image = Image(w, h, 1, 0.05);
-  p.labels.width = w, p.labels.height = h, p.labels.pixel_size = 0.05;
+  p.labels.width = w;
+  p.labels.height = h;
+  p.labels.pixel_size = 0.05;
   p.labels.ids.assign(static_cast<std::size_t>(w) * h, 0);
   std::vector<float> white(p.labels.ids.size());
   for (std::size_t i = 0; i < white.size(); ++i) white[i] = static_cast<float>(Random(1, 0, i).normal());
@@ -92,7 +94,10 @@ TEST(ResidualImage, KeepsGrainWithMeanZero) {
   const ResidualImage r = residual_image(p.image, p.labels, 2);
   Vec3 mean = Vec3::Zero();
   double red = 0;
-  for (const auto& v : r.image.pixels) mean += v.cast<double>(), red += double(v.x()) * v.x();
+  for (const auto& v : r.image.pixels) {
+    mean += v.cast<double>();
+    red += double(v.x()) * v.x();
+  }
   const double n = static_cast<double>(r.image.pixels.size());
   EXPECT_LT((mean / n).norm(), 1e-6);
   // 0.6² + 0.8² + 2·0.6·0.8/3: the grain's variance.
@@ -142,7 +147,8 @@ TEST(ResidualSynth, SlicesLookLikeThePhotographToEveryBand) {
     std::vector<float> a, b;
     for (const auto& v : residual.image.pixels) a.push_back(v[c]);
     for (const auto& v : voxels) b.push_back(v[c]);
-    std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
+    std::sort(a.begin(), a.end());
+    std::sort(b.begin(), b.end());
     double distance = 0;
     for (int q = 0; q < 1000; ++q)
       distance += std::abs(a[q * a.size() / 1000] - b[q * b.size() / 1000]) / 1000;

@@ -194,7 +194,9 @@ TEST(SliceFamily, DeviationsAreThoseOfTheBandsThemselves) {
         for (int y = 0; y < size[v]; ++y)
           for (int x = 0; x < size[u]; ++x) {
             Vec3i at;
-            at[axis] = s, at[u] = x, at[v] = y;
+            at[axis] = s;
+            at[u] = x;
+            at[v] = y;
             slice[static_cast<std::size_t>(y) * size[u] + x].re[0] =
                 volume[(static_cast<std::size_t>(at.z()) * size.y() + at.y()) * size.x() + at.x()];
           }

@@ -38,7 +38,8 @@ TEST(AnnealAudit, SeesAcrossEveryFaceOfTheBox) {
   const auto shapes = test::shapes_of({test::cube()});
   for (int axis = 0; axis < 3; ++axis) {
     Vec3 a(2, 2, 2), b(2, 2, 2);
-    a[axis] = 0.2, b[axis] = 3.3;
+    a[axis] = 0.2;
+    b[axis] = 3.3;
     EXPECT_NEAR(audit(shapes, two(Vec3(4, 4, 4), a, b)).worst, 0.1, 1e-9);
     b[axis] = 3.1;
     EXPECT_EQ(audit(shapes, two(Vec3(4, 4, 4), a, b)).worst, 0);
@@ -195,7 +196,8 @@ TEST(AnnealAudit, RemembersThePairsThatDidNotMove) {
     p.shape[i] = static_cast<std::int32_t>(i % 2);
     p.position[i] = Vec3(r.uniform(), r.uniform(), r.uniform()) * 6;
     p.orientation[i] = Quat(r.normal(), r.normal(), r.normal(), r.normal()).normalized();
-    p.scale[i] = 1, p.size[i] = shapes.shapes[p.shape[i]].size();
+    p.scale[i] = 1;
+    p.size[i] = shapes.shapes[p.shape[i]].size();
   }
   packing::Auditor auditor(shapes);
   const auto first = auditor(p);
@@ -214,7 +216,8 @@ TEST(AnnealAudit, RemembersThePairsThatDidNotMove) {
   expect_equal(again, first);
   EXPECT_EQ(again.tests, 0u);
   for (const std::size_t i : {3, 17, 40}) p.position[i][0] = std::fmod(p.position[i][0] + 0.3, 6);
-  p.scale[20] *= 0.9, p.size[20] *= 0.9;
+  p.scale[20] *= 0.9;
+  p.size[20] *= 0.9;
   const auto moved = auditor(p);
   expect_equal(moved, packing::audit(shapes, p));
   EXPECT_LT(moved.tests, first.tests / 2);

@@ -160,7 +160,8 @@ TEST(AnnealBounds, SameBitsForAnyNumberOfThreads) {
 
 TEST(AnnealBounds, ProgressIsLinearInTheWork) {
   Budget budget;
-  budget.limit = 1000, budget.expected = 500;
+  budget.limit = 1000;
+  budget.expected = 500;
   EXPECT_EQ(budget.progress(), 0);
   budget.used = 250;
   EXPECT_NEAR(budget.progress(), 0.45, 1e-12);

@@ -126,8 +126,14 @@ inline bool segment_hits(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3
 inline bool meshes_overlap(const std::vector<Vec3>& p, const std::vector<Triangle>& tp,
                            const std::vector<Vec3>& q, const std::vector<Triangle>& tq) {
   Vec3 lo_p = p[0], hi_p = p[0], lo_q = q[0], hi_q = q[0];
-  for (const auto& v : p) lo_p = lo_p.cwiseMin(v), hi_p = hi_p.cwiseMax(v);
-  for (const auto& v : q) lo_q = lo_q.cwiseMin(v), hi_q = hi_q.cwiseMax(v);
+  for (const auto& v : p) {
+    lo_p = lo_p.cwiseMin(v);
+    hi_p = hi_p.cwiseMax(v);
+  }
+  for (const auto& v : q) {
+    lo_q = lo_q.cwiseMin(v);
+    hi_q = hi_q.cwiseMax(v);
+  }
   const Vec3 lo = lo_p.cwiseMax(lo_q), hi = hi_p.cwiseMin(hi_q);
   if (!((lo.array() <= hi.array()).all())) return false;
   const auto crossed = [&](const std::vector<Vec3>& x, const std::vector<Triangle>& tx,

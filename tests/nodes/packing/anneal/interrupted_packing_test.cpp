@@ -187,11 +187,14 @@ TEST(InterruptedPacking, AStartOfAnotherRequestIsNotRegrown) {
   Particles other = start;
   other.size[7] *= 1.001;
   EXPECT_FALSE(packing::regrown(fresh, other));
-  other = start, other.box *= 1.01;
+  other = start;
+  other.box *= 1.01;
   EXPECT_FALSE(packing::regrown(fresh, other));
-  other = start, other.cls[3] += 1;
+  other = start;
+  other.cls[3] += 1;
   EXPECT_FALSE(packing::regrown(fresh, other));
-  other = start, other.position[2][1] = std::nan("");
+  other = start;
+  other.position[2][1] = std::nan("");
   EXPECT_FALSE(packing::regrown(fresh, other));
 }
 

@@ -56,7 +56,8 @@ TEST(Anneal, ParticlesOfOneVolumeAreAsManyAsRequested) {
     for (std::size_t i = 0; i < all.particles.count(); ++i) {
       const Shape& s = shapes.shapes[static_cast<std::size_t>(all.particles.shape[i])];
       const double v = s.volume * std::pow(all.particles.size[i] / s.size(), 3);
-      least = std::min(least, v), most = std::max(most, v);
+      least = std::min(least, v);
+      most = std::max(most, v);
     }
     EXPECT_NEAR(least, 0.125, 1e-6);
     EXPECT_NEAR(most, 0.125, 1e-6);
@@ -145,11 +146,14 @@ TEST(Anneal, BadInput) {
   EXPECT_EQ(code({}), "no-particles");
   d.shapes[0].N_V[1] = std::nan("");
   EXPECT_EQ(code({}), "bad-distribution");
-  d = good, d.shapes[0].shape = 3;
+  d = good;
+  d.shapes[0].shape = 3;
   EXPECT_EQ(code({}), "bad-distribution");
-  d = good, d.shapes.clear();
+  d = good;
+  d.shapes.clear();
   EXPECT_EQ(code({}), "no-particles");
-  d = good, d.volume_fraction = 1.2;
+  d = good;
+  d.volume_fraction = 1.2;
   EXPECT_EQ(code({}), "impossible-density");
   d = good;
   for (auto& n : d.shapes[0].N_V) n *= 1e-6;

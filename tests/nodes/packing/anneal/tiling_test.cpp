@@ -37,12 +37,18 @@ TEST(Anneal, TheSeamIsAPlaneLikeAnyOther) {
         };
         for (const double sign : {1.0, -1.0}) {
           const double x = offset(sign > 0 ? 0 : edge / 2);
-          if (std::abs(x) < reach) d[0] += sign, d[1] += sign * std::sqrt(1 - std::pow(x / reach, 2));
+          if (std::abs(x) < reach) {
+            d[0] += sign;
+            d[1] += sign * std::sqrt(1 - std::pow(x / reach, 2));
+          }
           for (std::size_t j = 0; j < p.count(); ++j) {
             if (i == j) continue;
             Vec3 v = p.position[j] - p.position[i];
             for (int a = 0; a < 3; ++a) v[a] -= p.box[a] * std::round(v[a] / p.box[a]);
-            if (v.norm() < near && x < 0 && x + v[axis] >= 0) d[2] += sign, pairs_seen += 1;
+            if (v.norm() < near && x < 0 && x + v[axis] >= 0) {
+              d[2] += sign;
+              pairs_seen += 1;
+            }
           }
         }
       }

@@ -95,7 +95,8 @@ Particles pair_of_balls() {
   p.box = Vec3::Constant(4);
   p.resize(2);
   p.position = {Vec3(1, 2, 0.2), Vec3(3, 2, 2)};  // the first one crosses the face of the box
-  p.scale = {0.8, 0.9}, p.size = {1.6, 1.8};
+  p.scale = {0.8, 0.9};
+  p.size = {1.6, 1.8};
   p.color = {Vec3f::Zero(), Vec3f(0.8f, 0.2f, 0.1f)};
   p.voids = {1, 0};
   p.binder_color = Vec3f(0.1f, 0.3f, 0.5f);
@@ -141,7 +142,10 @@ TEST(Voids, GltfHoldsMatterOnly) {
   write_glb(folder / "one.glb", p, shapes);
   Particles one = p;
   one.resize(1);
-  one.position = {p.position[1]}, one.scale = {p.scale[1]}, one.color = {p.color[1]}, one.voids = {};
+  one.position = {p.position[1]};
+  one.scale = {p.scale[1]};
+  one.color = {p.color[1]};
+  one.voids = {};
   write_glb(folder / "same.glb", one, shapes);
   EXPECT_EQ(std::filesystem::file_size(folder / "one.glb"), std::filesystem::file_size(folder / "same.glb"));
   p.voids = {1, 1};
@@ -152,7 +156,9 @@ TEST(Voids, ColorsAreForMatter) {
   Particles p = pair_of_balls();
   Profiles seen;
   seen.profiles.resize(1);
-  seen.profiles[0].area = 1, seen.profiles[0].weight = 1, seen.profiles[0].color = Vec3f(0, 1, 0);
+  seen.profiles[0].area = 1;
+  seen.profiles[0].weight = 1;
+  seen.profiles[0].color = Vec3f(0, 1, 0);
   for (const auto mode : {ColorMode::Random, ColorMode::BySize, ColorMode::Classes}) {
     p.cls = {5, 0};  // the class of a void needs no profile
     colorize::colorize(p, seen, {mode, 1});

@@ -48,7 +48,8 @@ TEST(LoadParticles, BothWritersWriteTheSameFields) {
 TEST(LoadParticles, ReadsABoxWithoutParticles) {
   Particles p;
   EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
-  p.box = Vec3(1, 2, 3), p.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
+  p.box = Vec3(1, 2, 3);
+  p.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
   EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
   EXPECT_EQ(test::encoded(written(p)), test::encoded(p));
 }

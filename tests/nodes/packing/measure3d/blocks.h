@@ -26,7 +26,9 @@ inline Volume label_volume(const Vec3i& size, double spacing, bool periodic, con
 inline measure3d::Raster raster_of(const Vec3i& size, const Vec3& spacing, bool periodic,
                                    const LabelAt& label) {
   measure3d::Raster r;
-  r.box.size = size, r.box.spacing = spacing, r.box.periodic = periodic;
+  r.box.size = size;
+  r.box.spacing = spacing;
+  r.box.periodic = periodic;
   for (int z = 0; z < size.z(); ++z)
     for (int y = 0; y < size.y(); ++y)
       for (int x = 0; x < size.x(); ++x) {

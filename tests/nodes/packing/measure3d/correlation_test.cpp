@@ -114,7 +114,8 @@ TEST(Measure3DCorrelation, OfABooleanModelIsExponential) {
         complement(test::boolean_model(n, radius, count, 10 + static_cast<std::uint64_t>(seed)));
     const Correlation c = correlate(pores, kMemory, {});
     for (std::size_t k = 0; k < two.size(); ++k) {
-      two[k] += c.mean[k] / kSeeds, length[k] = c.length[k];
+      two[k] += c.mean[k] / kSeeds;
+      length[k] = c.length[k];
       for (std::size_t a = 0; a < 3; ++a) path[k] += c.lineal_path[a][k] / kSeeds / 3;
     }
   }

@@ -41,7 +41,10 @@ double value_of(const NodeRun& run, const std::string& measure) {
 
 Vec3 extent_of(const Mesh& mesh) {
   Vec3 low = Vec3::Constant(1e9), high = -low;
-  for (const Vec3& v : mesh.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const Vec3& v : mesh.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
   return high - low;
 }
 

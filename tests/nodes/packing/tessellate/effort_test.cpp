@@ -160,7 +160,8 @@ TEST(FillEffort, SmallGrainsKeepTheirVolumesBetweenJoints) {
 
 TEST(FillEffort, AHandedOverResultCanBeLoaded) {
   Stones stones(Method::Laguerre);
-  stones.options.corrections = 0, stones.options.population.count = 10;
+  stones.options.corrections = 0;
+  stones.options.population.count = 10;
   const FillResult r = stones.fill();
   const auto file = test::temporary_folder() / "fill.json";
   write_packing_json(file, r.particles, r.shapes);

@@ -19,7 +19,8 @@ TEST(SectionFit, CountsAllProfiles) {
   Particles p;
   p.box = Vec3(10, 10, 10);
   p.resize(3);
-  p.shape = {0, 0, 0}, p.scale = {1, 2, 0.5};
+  p.shape = {0, 0, 0};
+  p.scale = {1, 2, 0.5};
   const Eigen::MatrixXd n = profile_densities(shapes, p, {0, 1, 0}, {0, 1, 10}, 2000, 1);
   EXPECT_NEAR(n.sum(), shapes.shapes[0].mean_caliper * 3.5 / 1000, 1e-9);
   EXPECT_NEAR(n.row(1).sum(), shapes.shapes[0].mean_caliper * 2 / 1000, 1e-9);

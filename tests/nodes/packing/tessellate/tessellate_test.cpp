@@ -89,7 +89,8 @@ TEST(Tessellate, LaguerreRoundsEdgesAsFarAsJointsLeaveRoom) {
     else
       EXPECT_LT(grains.gap, 0.6 * sharp.gap) << "as round as possible";
   }
-  options.least_gap = 0, options.roundness = 0.9;
+  options.least_gap = 0;
+  options.roundness = 0.9;
   EXPECT_EQ(tessellation::laguerre_grains(box, volume, options, effort).roundness, 0.9);
 }
 

@@ -17,7 +17,9 @@ using namespace edit_labels;
 // Three squares of 8 × 8 pixels in a row, the first two touching: 1 at x 2…9, 2 at 10…17, 3 at 22…29.
 Labels squares(int sections = 1) {
   Labels l;
-  l.width = 32, l.height = 12, l.sections = sections;
+  l.width = 32;
+  l.height = 12;
+  l.sections = sections;
   l.ids.assign(static_cast<std::size_t>(32) * 12 * sections, 0);
   for (int s = 0; s < sections; ++s)
     for (int y = 2; y < 10; ++y)

@@ -15,7 +15,10 @@ TEST(Grain, KeepsTheMeanAndHasTheNoiseAsked) {
   GrainOptions g{0, 0, 1, 0, 0.02, 7};
   const Image out = add_grain(in, nullptr, g, {});
   double sum = 0, squares = 0;
-  for (const auto& p : out.pixels) sum += p[1], squares += p[1] * p[1];
+  for (const auto& p : out.pixels) {
+    sum += p[1];
+    squares += p[1] * p[1];
+  }
   const double n = static_cast<double>(out.pixels.size()), mean = sum / n,
                sd = std::sqrt(squares / n - mean * mean);
   EXPECT_NEAR(mean, 0.5, 5e-4);
@@ -23,7 +26,10 @@ TEST(Grain, KeepsTheMeanAndHasTheNoiseAsked) {
   g = {0.2, 0, 1, 0, 0, 7};
   const Image mottled = add_grain(in, nullptr, g, {});
   sum = squares = 0;
-  for (const auto& p : mottled.pixels) sum += p[1], squares += p[1] * p[1];
+  for (const auto& p : mottled.pixels) {
+    sum += p[1];
+    squares += p[1] * p[1];
+  }
   EXPECT_NEAR(std::sqrt(squares / n - sum / n * sum / n) / 0.5, 0.2, 0.06);
 }
 

@@ -77,7 +77,8 @@ TEST(LoadEBSD, DisorientationsAreKnownOnes) {
   for (int k = 0; k < 20000; ++k) {
     const Q a = test::random_orientation(g), b = test::random_orientation(g);
     const double d = 2 * std::acos(half_angle_cosine(a, b, rotations)) / kDegree;
-    sum += d / 20000, most = std::max(most, d);
+    sum += d / 20000;
+    most = std::max(most, d);
   }
   EXPECT_NEAR(sum, 40.74, 0.3);
   EXPECT_LT(most, 62.81);

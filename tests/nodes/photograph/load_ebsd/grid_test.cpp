@@ -114,7 +114,10 @@ TEST(EbsdGrid, PointsMayBeInAnyOrder) {
 
 TEST(EbsdGrid, MapsMayBeginAnywhere) {
   auto points = square();
-  for (Point& p : points) p.x += 4321.5, p.y -= 17.25;
+  for (Point& p : points) {
+    p.x += 4321.5;
+    p.y -= 17.25;
+  }
   expect_halves(read(ang(points)), 12, 8, "moved");
 }
 

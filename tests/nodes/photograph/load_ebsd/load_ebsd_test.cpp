@@ -35,7 +35,10 @@ std::vector<std::int32_t> true_grains(const test::SampleMap& m) {
       const std::size_t i = open.back(), w = static_cast<std::size_t>(m.width);
       open.pop_back();
       const auto visit = [&](std::size_t n) {
-        if (ids[n] == 0 && m.phase[n] >= 0 && m.cell[n] == m.cell[i]) ids[n] = last, open.push_back(n);
+        if (ids[n] == 0 && m.phase[n] >= 0 && m.cell[n] == m.cell[i]) {
+          ids[n] = last;
+          open.push_back(n);
+        }
       };
       if (i % w > 0) visit(i - 1);
       if (i % w + 1 < w) visit(i + 1);

@@ -55,7 +55,10 @@ SampleMap sample_map(std::vector<load_ebsd::Symmetry> phases, unsigned seed, int
       for (int k = 0; k < cells; ++k) {
         const auto& at = all[static_cast<std::size_t>(k)].at;
         const double d = std::pow(at[0] - x, 2) + std::pow(at[1] - y, 2) + at[2] * at[2];
-        if (d < least) least = d, best = k;
+        if (d < least) {
+          least = d;
+          best = k;
+        }
       }
       const Cell& c = all[static_cast<std::size_t>(best)];
       const auto rotations = m.phases[static_cast<std::size_t>(c.phase)].rotations();

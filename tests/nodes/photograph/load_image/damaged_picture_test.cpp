@@ -41,7 +41,8 @@ class DamagedPicture : public ::testing::Test {
     try {
       read_image(path, "auto", 1, {memory, [&](const std::string& w) { o.warnings.push_back(w); }});
     } catch (const Error& e) {
-      o.code = e.diagnostic().code, o.message = e.diagnostic().message;
+      o.code = e.diagnostic().code;
+      o.message = e.diagnostic().message;
     }
     return o;
   }

@@ -40,7 +40,8 @@ class PicturesInOneFile : public ::testing::Test {
   }
   static TiffPage gray(int value, int photometric = 1) {
     TiffPage p{2, 1};
-    p.photometric = photometric, p.pixels = {static_cast<char>(value), static_cast<char>(value)};
+    p.photometric = photometric;
+    p.pixels = {static_cast<char>(value), static_cast<char>(value)};
     return p;
   }
   fs::path folder = test::temporary_folder();
@@ -86,12 +87,15 @@ TEST_F(PicturesInOneFile, StacksOfMicroscopes) {
 
 TEST_F(PicturesInOneFile, ChannelsThatAreNoColors) {
   TiffPage four{1, 1};
-  four.samples = 4, four.pixels = {10, 20, 30, 40}, four.tags = {{338, {0, 0, 0}}};
+  four.samples = 4;
+  four.pixels = {10, 20, 30, 40};
+  four.tags = {{338, {0, 0, 0}}};
   const fs::path path = write("a.tif", tiff_file({four}));
   EXPECT_EQ(failure(path).rfind("several-channels", 0), 0u) << failure(path);
   EXPECT_EQ(level(path, {{}, 3}), 30);
   // Red, green, blue and near infrared.
-  four.photometric = 2, four.tags = {{338, {0}}};
+  four.photometric = 2;
+  four.tags = {{338, {0}}};
   const Image color = read_image(write("b.tif", tiff_file({four})));
   EXPECT_NEAR(255 * linear_to_srgb(color.at(0, 0))[2], 30, 0.01);
   EXPECT_EQ(level(folder / "b.tif", {{}, 4}), 40);
@@ -99,10 +103,14 @@ TEST_F(PicturesInOneFile, ChannelsThatAreNoColors) {
 
 TEST_F(PicturesInOneFile, InkAndLabAreRefused) {
   TiffPage ink{1, 1};
-  ink.samples = 4, ink.photometric = 5, ink.pixels = {10, 20, 30, 40};
+  ink.samples = 4;
+  ink.photometric = 5;
+  ink.pixels = {10, 20, 30, 40};
   EXPECT_EQ(failure(write("a.tif", tiff_file({ink}))).rfind("unsupported-image", 0), 0u);
   TiffPage lab{1, 1};
-  lab.samples = 3, lab.photometric = 8, lab.pixels = {10, 20, 30};
+  lab.samples = 3;
+  lab.photometric = 8;
+  lab.pixels = {10, 20, 30};
   EXPECT_EQ(failure(write("b.tif", tiff_file({lab}))).rfind("unsupported-image", 0), 0u);
 }
 

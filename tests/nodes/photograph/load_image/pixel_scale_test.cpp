@@ -58,7 +58,8 @@ TEST(PixelScale, IsOfferedFromImageJ) {
 // A lens of 50 mm at 1050 mm from the subject reduces 20 times; a sensor of 36 mm is 40 pixels wide.
 TEST(PixelScale, IsOfferedFromACamera) {
   const auto camera = [](PictureAttributes& s) {
-    s.emplace_back("Exif:FocalLength", 50.0f), s.emplace_back("Exif:SubjectDistance", 1.05f);
+    s.emplace_back("Exif:FocalLength", 50.0f);
+    s.emplace_back("Exif:SubjectDistance", 1.05f);
     resolution(s, 350, "in");
   };
   EXPECT_NE(warning_of("a.jpg",
@@ -70,7 +71,8 @@ TEST(PixelScale, IsOfferedFromACamera) {
             std::string::npos);
   const std::string plane = warning_of("b.jpg", [&](auto& s) {
     camera(s);
-    s.emplace_back("Exif:FocalPlaneXResolution", 100.0f), s.emplace_back("Exif:FocalPlaneResolutionUnit", 3);
+    s.emplace_back("Exif:FocalPlaneXResolution", 100.0f);
+    s.emplace_back("Exif:FocalPlaneResolutionUnit", 3);
     s.emplace_back("Exif:PixelXDimension", 80);  // the picture was halved
   });
   EXPECT_NE(plane.find("set pixel_size: 4"), std::string::npos) << plane;

@@ -37,7 +37,10 @@ class StoredNumbers : public ::testing::Test {
   }
   static TiffPage row(int width, int bits, const std::string& pixels, int photometric = 1, int format = 1) {
     TiffPage p{width, 1};
-    p.bits = bits, p.pixels = pixels, p.photometric = photometric, p.format = format;
+    p.bits = bits;
+    p.pixels = pixels;
+    p.photometric = photometric;
+    p.format = format;
     return p;
   }
   Numbers tiff(const TiffPage& p) { return numbers(write("a.tif", test::tiff_file({p}))); }
@@ -121,7 +124,8 @@ TEST_F(StoredNumbers, OtherFormatsWithPalettesOrScaledNumbers) {
 
 TEST_F(StoredNumbers, TheOrientationIsApplied) {
   TiffPage p{3, 1};
-  p.pixels = {1, 2, 3}, p.tags = {{274, {6}}};
+  p.pixels = {1, 2, 3};
+  p.tags = {{274, {6}}};
   write("a.tif", test::tiff_file({p}));
   const RawMask turned = read_mask(folder / "a.tif");
   EXPECT_EQ(turned.width, 1);
@@ -137,7 +141,8 @@ TEST_F(StoredNumbers, PagesAndChannelsAreChosen) {
   EXPECT_EQ(numbers(path, {2, {}}), (Numbers{3, 4}));
   EXPECT_EQ(code_of([&] { numbers(path, {3, {}}); }), "bad-value");
   TiffPage two = row(2, 8, {1, 5, 2, 6});
-  two.samples = 2, two.tags = {{338, {0}}};
+  two.samples = 2;
+  two.tags = {{338, {0}}};
   const fs::path channels = write("c.tif", test::tiff_file({two}));
   EXPECT_EQ(code_of([&] { numbers(channels); }), "several-channels");
   EXPECT_EQ(numbers(channels, {{}, 2}), (Numbers{5, 6}));

@@ -58,7 +58,8 @@ TEST(Captions, ATableWithLinesAndCellsIsFound) {
   Image image = test::with_strip(gray_micrograph(600, 300), 60, test::gray_level(0), test::gray_level(255));
   Coverage lines(600, 360);
   for (const double x : {0.0, 150.0, 400.0, 598.0}) lines.rectangle(x, 300, x + 2, 360);
-  lines.rectangle(0, 300, 600, 302), lines.rectangle(0, 358, 600, 360);
+  lines.rectangle(0, 300, 600, 302);
+  lines.rectangle(0, 358, 600, 360);
   lines.paint(image, test::gray_level(255));
   const auto found = captions_of(image);
   ASSERT_EQ(found.size(), 1u);
@@ -95,8 +96,10 @@ TEST(Captions, ASingleDigitBesideABarIsFound) {
 TEST(Captions, ABarInABoxIsFound) {
   Image image = gray_micrograph(420, 300);
   Coverage box(420, 300), bar(420, 300);
-  box.rectangle(260, 250, 400, 290), bar.rectangle(275, 267, 385, 273);
-  box.paint(image, test::gray_level(255)), bar.paint(image, test::gray_level(0));
+  box.rectangle(260, 250, 400, 290);
+  bar.rectangle(275, 267, 385, 273);
+  box.paint(image, test::gray_level(255));
+  bar.paint(image, test::gray_level(0));
   const auto found = captions_of(image);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0], cv::Rect(260, 250, 140, 40));

@@ -30,7 +30,8 @@ Cutout region(const std::vector<std::int32_t>& labels) {
 // A network that sees this disc everywhere, blurred as on photographs.
 ScaleView view_of(const std::vector<std::int32_t>& labels) {
   NetworkMaps maps;
-  maps.width = kWidth, maps.height = kHeight;
+  maps.width = kWidth;
+  maps.height = kHeight;
   for (const auto id : labels) maps.inside.push_back(static_cast<float>(id));
   cv::Mat inside(kHeight, kWidth, CV_32F, maps.inside.data());
   cv::GaussianBlur(inside, inside, {0, 0}, 3);

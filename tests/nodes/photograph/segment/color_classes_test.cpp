@@ -16,7 +16,8 @@ using namespace segment;
 // An ellipse of the given area and aspect ratio.
 Profile profile(double area, double aspect, const Vec3f& color) {
   Profile p;
-  p.area = area, p.color = color;
+  p.area = area;
+  p.color = color;
   const double a = std::sqrt(area * aspect / std::numbers::pi), b = a / aspect;
   for (int k = 0; k < 60; ++k)
     p.contour.push_back(
@@ -91,7 +92,11 @@ TEST(ColorClasses, SignificanceHasItsClosedForm) {
   EXPECT_EQ(kolmogorov_smirnov({}, {1, 2}), 1);
   EXPECT_EQ(kolmogorov_smirnov({1, 2, 3}, {1, 2, 3}), 1);
   std::vector<double> low, high, shifted;
-  for (int i = 0; i < 400; ++i) low.push_back(i), high.push_back(1000 + i), shifted.push_back(i + 38.4);
+  for (int i = 0; i < 400; ++i) {
+    low.push_back(i);
+    high.push_back(1000 + i);
+    shifted.push_back(i + 38.4);
+  }
   EXPECT_LT(kolmogorov_smirnov(low, high), 1e-12);
   // The distance 1.358·√(2/n) is exceeded with a probability of 5 %; 38.4 of 400 are 39 places.
   EXPECT_NEAR(kolmogorov_smirnov(low, shifted), 0.045, 0.006);
@@ -105,7 +110,8 @@ TEST(ColorClasses, SignificanceIsUniformForEqualDistributions) {
     std::vector<double> a, b;
     for (int i = 0; i < 80; ++i) a.push_back(r.uniform());
     for (int i = 0; i < 120; ++i) b.push_back(r.uniform());
-    std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
+    std::sort(a.begin(), a.end());
+    std::sort(b.begin(), b.end());
     below += kolmogorov_smirnov(a, b) < 0.1;
   }
   EXPECT_NEAR(below, 100, 30);

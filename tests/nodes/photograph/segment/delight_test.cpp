@@ -23,7 +23,9 @@ struct Lit {
 Lit domes(std::uint64_t seed, double shading, double uneven, bool gloss) {
   Lit s;
   Random random(seed);
-  s.labels.width = 300, s.labels.height = 240, s.labels.sections = 1;
+  s.labels.width = 300;
+  s.labels.height = 240;
+  s.labels.sections = 1;
   s.labels.ids.assign(s.image.pixels.size(), 0);
   for (int k = 0; k < 20; ++k) {
     const auto l = static_cast<float>(random.uniform(0.15, 0.5));
@@ -57,7 +59,8 @@ double error_of(const Lit& s, bool how) {
   double both = 0, square = 0, error = 0;
   for (std::size_t k = 0; k < s.colors.size(); ++k) {
     const Vec3f& c = m.profiles.profiles[k].color;
-    both += c.dot(s.colors[k]), square += c.squaredNorm();
+    both += c.dot(s.colors[k]);
+    square += c.squaredNorm();
   }
   for (std::size_t k = 0; k < s.colors.size(); ++k)
     error +=
@@ -107,7 +110,10 @@ TEST(Delight, LeavesFlatSectionsAlone) {
 // Of particles that are found in a photograph as well as of given labels.
 TEST(Delight, ChangesTheColorsOfPhotographs) {
   synthetic_photo::PhotoOptions o;
-  o.scene = synthetic_photo::Scene::Bank, o.seed = 900002, o.objects = false, o.fill = 0.4;
+  o.scene = synthetic_photo::Scene::Bank;
+  o.seed = 900002;
+  o.objects = false;
+  o.fill = 0.4;
   const Value photo = Value::of(synthetic_photo::take_photo(o, {}).image);
   const auto measured = [&](const char* delight) {
     const auto run =

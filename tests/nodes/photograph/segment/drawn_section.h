@@ -51,7 +51,8 @@ inline void blur_image(Image& image, float sigma) {
           const int u = x + k * dx, v = y + k * dy;
           if (u < 0 || v < 0 || u >= image.width || v >= image.height) continue;
           const float w = std::exp(-0.5f * static_cast<float>(k * k) / (sigma * sigma));
-          sum += w * from.at(u, v), weight += w;
+          sum += w * from.at(u, v);
+          weight += w;
         }
         image.at(x, y) = sum / weight;
       }

@@ -92,7 +92,8 @@ TEST(Segment, SparseDiscsInGreyNoise) {
 // No binder between most particles: a result or an error, never a crash.
 TEST(Segment, ParticlesWithoutBinder) {
   DrawnOptions options;
-  options.side = 96, options.gap = 0;
+  options.side = 96;
+  options.gap = 0;
   try {
     segment::segment(test::draw_section(options).image, {}, {});
   } catch (const std::exception& e) {

@@ -9,8 +9,10 @@ namespace {
 // A mosaic with one row of patches of 10 × 10 pixels.
 Mosaic row_of(const std::vector<Vec3f>& colors, float noise) {
   Mosaic m;
-  m.width = static_cast<int>(10 * colors.size()), m.height = 10;
-  m.noise = noise, m.colors = colors;
+  m.width = static_cast<int>(10 * colors.size());
+  m.height = 10;
+  m.noise = noise;
+  m.colors = colors;
   for (int y = 0; y < m.height; ++y)
     for (int x = 0; x < m.width; ++x) m.patches.push_back(x / 10 + 1);
   return m;

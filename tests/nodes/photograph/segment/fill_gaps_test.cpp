@@ -80,7 +80,8 @@ TEST(FillGaps, SegmentWithoutBinder) {
   constexpr int kCells = 60;
   Random r(4);
   Image image;
-  image.width = image.height = 256, image.pixel_size = 0.1;
+  image.width = image.height = 256;
+  image.pixel_size = 0.1;
   std::vector<Vec2> seeds;
   std::vector<Vec3f> colors;
   for (int k = 0; k < kCells; ++k) {

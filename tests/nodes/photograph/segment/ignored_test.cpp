@@ -47,8 +47,10 @@ TEST(Ignored, RectanglesAndPolygonsCoverTheirPixels) {
   EXPECT_TRUE(ignored_pixels(image, {read_area("30 0 40 5")}, nullptr).empty());
   EXPECT_EQ(test::code_of([&] { ignored_pixels(image, {read_area("0 0 20 12")}, nullptr); }), "empty-image");
   Labels mask;
-  mask.width = 20, mask.height = 12;
-  mask.ids.assign(240, 0), mask.classes = {0};
+  mask.width = 20;
+  mask.height = 12;
+  mask.ids.assign(240, 0);
+  mask.classes = {0};
   EXPECT_EQ(test::code_of([&] { ignored_pixels(image, {}, &mask); }), "size-mismatch");
 }
 
@@ -77,7 +79,10 @@ TEST(Ignored, CutParticlesAreSpecks) {
     for (int y = top; y < top + 12; ++y)
       for (int x = left; x < left + 12; ++x) image.at(x, y).setConstant(0.1f);
   };
-  square(5, 5), square(25, 5), square(10, 26), square(40, 20);
+  square(5, 5);
+  square(25, 5);
+  square(10, 26);
+  square(40, 20);
   const auto found = test::run_node(
       "Segment", {{"image", Value::of(image)}},
       {{"method", "clusters"}, {"binder", "lightest"}, {"min_area", "40"}, {"ignore", "[0 28 60 40]"}});
@@ -125,7 +130,10 @@ TEST(Ignored, WeightsKeepTheDensityUnbiased) {
       ++trials;
       Image image(W, H, 1, 1);
       Labels labels;
-      labels.width = W, labels.height = H, labels.ids.assign(W * H, 0), labels.classes = {0};
+      labels.width = W;
+      labels.height = H;
+      labels.ids.assign(W * H, 0);
+      labels.classes = {0};
       std::vector<float> coverage(W * H, 0);
       bool any = false;
       for (int y = std::max(0, py); y < std::min(H, py + side); ++y)
@@ -154,7 +162,9 @@ Image discs_above_a_strip() {
 TEST(Ignored, SegmentLeavesAreasOut) {
   const Image image = discs_above_a_strip();
   Labels mask;
-  mask.width = 96, mask.height = 80, mask.pixel_size = 0.5;
+  mask.width = 96;
+  mask.height = 80;
+  mask.pixel_size = 0.5;
   for (int i = 0; i < 96 * 80; ++i) mask.ids.push_back(i >= 64 * 96);
   mask.classes = {0};
   const std::map<std::string, std::string> plain{{"method", "clusters"}, {"binder", "lightest"}};

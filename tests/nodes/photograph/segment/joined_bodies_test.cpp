@@ -39,7 +39,8 @@ TEST(JoinedBodies, HaveAGapTowardTheBindersColor) {
   for (const auto& [gap, expected] : {std::pair(0.45f, true), {0.41f, true}, {0.38f, false}, {0.3f, false}}) {
     Scene s(gray(0.6f));
     s.body(gray(gap));
-    s.part(11, 18, gray(0.3f)), s.part(22, 29, gray(0.3f));
+    s.part(11, 18, gray(0.3f));
+    s.part(22, 29, gray(0.3f));
     EXPECT_EQ(s.joined(), expected) << gap;
   }
 }
@@ -60,7 +61,8 @@ TEST(JoinedBodies, AreNotPoresWithSpecks) {
   for (const float speck : {0.9f, 0.61f, 0.4f}) {
     Scene s(gray(0.6f));
     s.body(gray(0.05f));
-    s.part(11, 16, gray(speck)), s.part(22, 27, gray(speck));
+    s.part(11, 16, gray(speck));
+    s.part(22, 27, gray(speck));
     EXPECT_FALSE(s.joined()) << speck;
   }
 }
@@ -69,7 +71,8 @@ TEST(JoinedBodies, AreNotGrainsOfAnotherHue) {
   // The rest is between both in lightness, but of a color that neither has.
   Scene s(gray(0.6f));
   s.body({0.45f, 0.2f, 0});
-  s.part(11, 18, gray(0.3f)), s.part(22, 29, gray(0.3f));
+  s.part(11, 18, gray(0.3f));
+  s.part(22, 29, gray(0.3f));
   EXPECT_FALSE(s.joined());
 }
 
@@ -77,7 +80,8 @@ TEST(JoinedBodies, HaveGapsNarrowerThanTheirParts) {
   // The parts have a radius of 2.5 pixels and are 4 or 11 pixels apart.
   for (const auto& [right, expected] : {std::pair(17, true), {24, false}}) {
     Scene s(gray(0.6f));
-    s.part(11, 13, gray(0.3f)), s.part(right, right + 2, gray(0.3f));
+    s.part(11, 13, gray(0.3f));
+    s.part(right, right + 2, gray(0.3f));
     s.each(11, right + 2, 11, 21, [&](std::size_t i) {
       s.labels[i] = 1;
       if (s.image.pixels[i][0] > 0.5f) s.image.pixels[i] = gray(0.45f);
@@ -90,7 +94,8 @@ TEST(JoinedBodies, AreNotFilledByTheirParts) {
   Scene s(gray(0.6f));
   s.body(gray(0.45f));
   s.labels.assign(s.labels.size(), 0);
-  s.part(11, 18, gray(0.3f)), s.part(18, 25, gray(0.3f));
+  s.part(11, 18, gray(0.3f));
+  s.part(18, 25, gray(0.3f));
   for (const Instance& one : s.instances)
     for (const auto i : one.pixels) s.labels[i] = 1;
   EXPECT_FALSE(s.joined());

@@ -26,7 +26,8 @@ using namespace segment;
 // What a perfect network says of these labels.
 NetworkMaps ideal_maps(const std::vector<std::int32_t>& labels, int width, int height) {
   NetworkMaps m;
-  m.width = width, m.height = height;
+  m.width = width;
+  m.height = height;
   const auto depth2 = squared_distance(labels, width, height, false, {});
   std::vector<float> deepest(labels.size() + 1, 0);
   for (std::size_t i = 0; i < labels.size(); ++i)
@@ -53,7 +54,8 @@ std::vector<std::int32_t> discs(int width, int height, const std::vector<std::ar
 
 Labels as_labels(std::vector<std::int32_t> ids, int width, int height) {
   Labels out;
-  out.width = width, out.height = height;
+  out.width = width;
+  out.height = height;
   out.classes.assign(*std::max_element(ids.begin(), ids.end()), 0);
   out.ids = std::move(ids);
   return out;
@@ -277,7 +279,9 @@ TEST(NetworkInstances, TheBetterOfTwoOverlappingOnesIsKept) {
       if (x >= 3 && x < 14) poor.pixels.push_back(y * w + x);
       if (x >= 9 && x < 20) apart.pixels.push_back(y * w + x);
     }
-  good.score = 0.9, poor.score = 0.8, apart.score = 0.7;
+  good.score = 0.9;
+  poor.score = 0.8;
+  apart.score = 0.7;
   const Accepted a = accept_instances({apart, poor, good}, w, h, 1, 0, as_it_is, {});
   ASSERT_EQ(a.scores, (std::vector<double>{0.9, 0.7}));
   EXPECT_EQ(a.labels[9], 1);   // the better one keeps the column that both want
@@ -302,7 +306,8 @@ TEST(Network, TheSameBitsOnAnyNumberOfThreads) {
   for (const int threads : {1, 2, 7}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
     auto maps = network(encoded_section(image, 0), std::array{1.0, 0.5}, {});
-    all.push_back(std::move(maps[0])), half.push_back(std::move(maps[1]));
+    all.push_back(std::move(maps[0]));
+    half.push_back(std::move(maps[1]));
   }
   for (const auto& m : half) EXPECT_EQ(m.inside, half[0].inside);
   for (const auto& m : all) {
@@ -360,7 +365,10 @@ TEST(Network, FindsTheParticlesOfSyntheticPictures) {
     double precision = 0;
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       synthetic_photo::PhotoOptions o;
-      o.scene = scene, o.seed = 900000 + seed, o.objects = false, o.fill = 0.4;
+      o.scene = scene;
+      o.seed = 900000 + seed;
+      o.objects = false;
+      o.fill = 0.4;
       const auto photo = synthetic_photo::take_photo(o, {});
       const auto found =
           test::run_node("Segment", {{"image", Value::of(photo.image)}}, {{"method", "network"}});

@@ -50,7 +50,10 @@ TEST(SegmentParts, MinimumCutAgainstAllLabellings) {
   for (int round = 0; round < 40; ++round) {
     const int n = 9;
     std::vector<double> f(n), t(n);
-    for (int k = 0; k < n; ++k) f[k] = random.below(64), t[k] = random.below(64);
+    for (int k = 0; k < n; ++k) {
+      f[k] = random.below(64);
+      t[k] = random.below(64);
+    }
     std::vector<CutEdge> edges;
     for (int a = 0; a < n; ++a)
       for (int b = 0; b < a; ++b)
@@ -203,7 +206,10 @@ TEST(SegmentParts, BorderWeightsGiveAnUnbiasedDensity) {
     for (int y = 0; y < window; ++y)
       for (int x = 0; x < window; ++x) {
         const std::int32_t id = ids[static_cast<std::size_t>((y + oy) % field) * field + (x + ox) % field];
-        if (id != 0 && number[id] == 0) labels.classes.push_back(0), number[id] = labels.count();
+        if (id != 0 && number[id] == 0) {
+          labels.classes.push_back(0);
+          number[id] = labels.count();
+        }
         labels.ids.push_back(id == 0 ? 0 : number[id]);
       }
     const Profiles p = measure_profiles(image, labels, std::vector<float>(labels.ids.size(), 1), {}, {}, {});

@@ -8,7 +8,8 @@ using namespace segment;
 
 Proposal proposal(std::vector<std::int32_t> ids, std::vector<double> confidence) {
   Proposal a;
-  a.labels.ids = std::move(ids), a.labels.classes.assign(confidence.size(), 0);
+  a.labels.ids = std::move(ids);
+  a.labels.classes.assign(confidence.size(), 0);
   a.confidence = std::move(confidence);
   return a;
 }

@@ -28,8 +28,10 @@ struct Scene {
           for (const double v : {-0.25, 0.25}) sum += shade(along + u, across + v) / 4;
         image.at(x, y).setConstant(sum);
         ignored[image.index(x, y, 0)] = 1;
-        box.left = std::min(box.left, x), box.right = std::max(box.right, x);
-        box.top = std::min(box.top, y), box.bottom = std::max(box.bottom, y);
+        box.left = std::min(box.left, x);
+        box.right = std::max(box.right, x);
+        box.top = std::min(box.top, y);
+        box.bottom = std::max(box.bottom, y);
       }
   }
 };

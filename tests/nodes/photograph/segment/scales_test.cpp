@@ -77,7 +77,8 @@ double overlap(const std::vector<std::vector<cv::Point>>& found, const Board& bo
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const bool a = mask.at<std::uint8_t>(y, x) != 0, b = board.contains(x, y, along, across);
-      both += a && b, either += a || b;
+      both += a && b;
+      either += a || b;
     }
   return static_cast<double>(both) / either;
 }

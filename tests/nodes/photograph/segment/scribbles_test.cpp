@@ -20,7 +20,10 @@ struct Textured {
 };
 Textured textured_discs() {
   Textured t;
-  t.truth.width = 160, t.truth.height = 120, t.truth.ids.assign(160 * 120, 0), t.truth.classes.assign(12, 0);
+  t.truth.width = 160;
+  t.truth.height = 120;
+  t.truth.ids.assign(160 * 120, 0);
+  t.truth.classes.assign(12, 0);
   for (int y = 0; y < 120; ++y)
     for (int x = 0; x < 160; ++x) {
       const int cx = x / 40 * 40 + 20, cy = y / 40 * 40 + 20;

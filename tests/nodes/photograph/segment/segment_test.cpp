@@ -41,7 +41,8 @@ TEST(Segment, FindsEveryDiscWithItsAreaWithinOnePercent) {
       EXPECT_LT((p->color - test::chip_color(i)).norm(), 0.01);
       for (const auto& q : p->contour)
         EXPECT_NEAR((q - Vec2(discs[i].x, 256 - discs[i].y)).norm(), discs[i].radius, 0.35);
-      sum += p->area, truth += area;
+      sum += p->area;
+      truth += area;
     }
     EXPECT_NEAR(sum, truth, 0.01 * truth);
     EXPECT_NEAR(s.profiles.area_fraction, truth / (256 * 256), 0.01 * truth / (256 * 256));
@@ -165,7 +166,9 @@ TEST(Segment, LabelsInputIsMeasured) {
   Image image(80, 64, 1, 0.5, test::binder_light);
   test::draw(image, d, {0.1f, 0.2f, 0.3f});
   Labels labels;
-  labels.width = 80, labels.height = 64, labels.pixel_size = 1;
+  labels.width = 80;
+  labels.height = 64;
+  labels.pixel_size = 1;
   labels.ids.assign(80 * 64, 0);
   labels.classes = {0, 2};  // id 1 has no pixel
   for (int y = 0; y < 64; ++y)
@@ -183,7 +186,8 @@ TEST(Segment, LabelsInputIsMeasured) {
   EXPECT_EQ(run.output<Labels>("labels").count(), 1);
   EXPECT_DOUBLE_EQ(profiles.observed_area, 80 * 64 * 0.25);
   EXPECT_EQ(run.output<Table>("binder").rows.size(), 1u);
-  labels.width = 64, labels.height = 80;
+  labels.width = 64;
+  labels.height = 80;
   EXPECT_EQ(code_of([&] { measure_labels(image, labels, {}, {}); }), "size-mismatch");
 }
 

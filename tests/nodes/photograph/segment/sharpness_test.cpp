@@ -83,7 +83,8 @@ TEST(Sharpness, APictureOfOneColorHasNone) {
 // An enlarged photograph shows what the photograph shows, and so do its particles.
 TEST(Sharpness, AnEnlargedPhotographGivesAboutTheSameParticles) {
   synthetic_photo::PhotoOptions options;
-  options.seed = 21, options.width = options.height = 300;
+  options.seed = 21;
+  options.width = options.height = 300;
   const synthetic_photo::Photo photo = synthetic_photo::take_photo(options, {});
   SegmentOptions how;
   how.method = Method::Network;

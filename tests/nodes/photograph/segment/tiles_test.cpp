@@ -16,7 +16,9 @@ using namespace segment;
 // White discs and one long bar across the border of the first two tiles, on gray; their labels.
 Image white_discs(int width, int height, Labels& labels) {
   Image image(width, height, 1, 1, Vec3f::Constant(0.2f));
-  labels.width = width, labels.height = height, labels.sections = 1;
+  labels.width = width;
+  labels.height = height;
+  labels.sections = 1;
   labels.ids.assign(image.pixels.size(), 0);
   Random random(7);
   const auto draw = [&](const auto& inside, int left, int top, int right, int bottom) {

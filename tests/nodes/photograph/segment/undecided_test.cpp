@@ -18,8 +18,11 @@ TEST(Undecided, IsNotObservedButCutsNoProfile) {
   const int W = 40, H = 30;
   Image image(W, H, 1, 0.5, Vec3f::Constant(0.2f));
   Labels labels;
-  labels.width = W, labels.height = H, labels.pixel_size = 0.5;
-  labels.ids.assign(W * H, 0), labels.classes = {0};
+  labels.width = W;
+  labels.height = H;
+  labels.pixel_size = 0.5;
+  labels.ids.assign(W * H, 0);
+  labels.classes = {0};
   std::vector<float> coverage(W * H, 0);
   UndecidedPixels undecided(W * H, 0);
   for (int y = 10; y < 16; ++y)
@@ -47,7 +50,9 @@ TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
   double by_labels = 0, by_rest = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     synthetic_photo::PhotoOptions o;
-    o.scene = synthetic_photo::Scene::Heap, o.seed = 900000 + seed, o.objects = false;
+    o.scene = synthetic_photo::Scene::Heap;
+    o.seed = 900000 + seed;
+    o.objects = false;
     const auto photo = synthetic_photo::take_photo(o, {});
     const auto found =
         test::run_node("Segment", {{"image", Value::of(photo.image)}}, {{"method", "network"}});
@@ -76,7 +81,10 @@ TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
 
 TEST(Undecided, DroppedParticlesAreNoBinder) {
   synthetic_photo::PhotoOptions o;
-  o.scene = synthetic_photo::Scene::Bank, o.seed = 900001, o.objects = false, o.fill = 0.4;
+  o.scene = synthetic_photo::Scene::Bank;
+  o.seed = 900001;
+  o.objects = false;
+  o.fill = 0.4;
   const auto photo = synthetic_photo::take_photo(o, {});
   const auto all = test::run_node("Segment", {{"image", Value::of(photo.image)}}, {{"method", "network"}});
   const auto sure = test::run_node("Segment", {{"image", Value::of(photo.image)}},

@@ -12,8 +12,11 @@ using namespace synthetic_photo;
 
 PhotoOptions small(Scene scene, std::uint64_t seed, int pictures = 1) {
   PhotoOptions o;
-  o.scene = scene, o.seed = seed, o.pictures = pictures;
-  o.width = 160, o.height = 96;
+  o.scene = scene;
+  o.seed = seed;
+  o.pictures = pictures;
+  o.width = 160;
+  o.height = 96;
   return o;
 }
 
@@ -71,7 +74,9 @@ TEST(SyntheticPhoto, FillSetsTheAreaFractionOfSections) {
     const int pictures = 8;
     for (int seed = 1; seed <= pictures; ++seed) {
       PhotoOptions o = small(Scene::Section, static_cast<std::uint64_t>(seed));
-      o.width = o.height = 192, o.fill = fill, o.objects = false;
+      o.width = o.height = 192;
+      o.fill = fill;
+      o.objects = false;
       sum += labeled_fraction(take_photo(o, {}).labels);
     }
     EXPECT_NEAR(sum / pictures, fill, 0.13) << fill;

@@ -86,7 +86,8 @@ TEST_F(GltfMesh, StripsFansAndUnindexedTrianglesAreRead) {
   EXPECT_EQ(read_mesh(written(j.dump())).polygons.front(), (std::vector<int>{0, 2, 1}));
   primitive["mode"] = 5;
   EXPECT_EQ(read_mesh(written(j.dump())).polygons.front(), (std::vector<int>{0, 2, 1}));
-  primitive.erase("mode"), primitive.erase("indices");
+  primitive.erase("mode");
+  primitive.erase("indices");
   EXPECT_EQ(code(j), "bad-mesh");  // four corners
   j["accessors"][0]["count"] = 3;
   EXPECT_EQ(read_mesh(written(j.dump())).polygons, (std::vector<std::vector<int>>{{0, 1, 2}}));

@@ -113,7 +113,9 @@ TEST(LoadMesh, FourFormatsGiveOneCube) {
 
 TEST(LoadMesh, GlobGivesEqualShares) {
   const Mesh m = cube_mesh();
-  file("many_1.off", as_off(m)), file("many_2.off", as_off(m)), file("many_3.off", as_off(m));
+  file("many_1.off", as_off(m));
+  file("many_2.off", as_off(m));
+  file("many_3.off", as_off(m));
   const auto run = load(file("many_4.off", as_off(m)).parent_path() / "many_*.off");
   const auto& s = run.output<Shapes>("shapes").shapes;
   ASSERT_EQ(s.size(), 4u);

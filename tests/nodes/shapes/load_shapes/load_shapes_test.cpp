@@ -20,7 +20,8 @@ Shapes two_kinds() {
   s.shapes.push_back(measure_shape("../a \"b\"", tetrahedron(0.7), 0.9));
   s.shapes.push_back(measure_shape("", tetrahedron(1e-3), 0.1));
   Shape& painted = s.shapes[1];
-  painted.cls = 7, painted.smooth = true;
+  painted.cls = 7;
+  painted.smooth = true;
   painted.color = {Vec3f(0.1f, 0, 1), Vec3f(1e-40f, 2, 0.3f), Vec3f(-0.0f, 1, 1), Vec3f(0.2f, 0.3f, 0.4f)};
   painted.uv.assign(4, {Eigen::Vector2f(0.1f, 0.2f), Eigen::Vector2f(1, 0), Eigen::Vector2f(0.3f, 0.7f)});
   return s;

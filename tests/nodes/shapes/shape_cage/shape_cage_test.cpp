@@ -58,7 +58,8 @@ TEST(ShapeCage, AMoveStaysLocal) {
   for (std::size_t v = 0; v < before.vertices.size(); ++v) {
     const Vec3 d = after.vertices[v] - before.vertices[v];
     EXPECT_LT((d - by * (d.dot(by) / by.squaredNorm())).norm(), 1e-12);  // only in this direction
-    moved += d.norm() > 1e-12, most = std::max(most, d.norm() / by.norm());
+    moved += d.norm() > 1e-12;
+    most = std::max(most, d.norm() / by.norm());
   }
   EXPECT_GT(most, 0.4);  // a regular vertex of Loop subdivision has the limit weight 1/2
   EXPECT_LT(most, 0.7);

@@ -108,7 +108,8 @@ TEST(ShapeEstimateEachClass, ClassesSurviveStorageAndTheKMatrix) {
 
 TEST(ShapeEstimateEachClass, ParticlesHaveTheShapesOfTheirClass) {
   Profiles p = two_classes(60, 40);
-  p.observed_area = 4000, p.area_fraction = 0.1;
+  p.observed_area = 4000;
+  p.area_fraction = 0.1;
   const auto shapes = Value::of(estimate(p, "each"));
   const auto k =
       test::run_node("KMatrix", {{"shapes", shapes}}, {{"orientations", "100"}}).outputs.at("kmatrix");

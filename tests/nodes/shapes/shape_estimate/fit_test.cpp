@@ -52,7 +52,9 @@ TEST(ShapeEstimateFit, LeastSquaresFindsTheMinimum) {
     return r;
   };
   LeastSquaresOptions o;
-  o.rounds = 60, o.step = 0.01, o.ridge = 0;
+  o.rounds = 60;
+  o.step = 0.01;
+  o.ridge = 0;
   const auto best = least_squares(f, Eigen::VectorXd::Zero(5), o);
   EXPECT_LT(best.value, 1e-3);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(best.x[k], 1, 0.05);
@@ -101,7 +103,8 @@ TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
 
 TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   StoneOptions o;
-  o.kind = SolidKind::Clinker, o.detail = 2;
+  o.kind = SolidKind::Clinker;
+  o.detail = 2;
   const Mesh start = stone_mesh(o);
   for (int kind = 0; kind < 3; ++kind) {
     const auto family = kind == 0   ? deformed_bodies(start, 1)
@@ -179,7 +182,9 @@ FeatureSample sample_of(std::uint64_t seed, Change&& change) {
     f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
     double root_area = 1;
     change(r.normal(), f, root_area);
-    a.features.push_back(f), a.root_area.push_back(root_area), a.weight.push_back(1);
+    a.features.push_back(f);
+    a.root_area.push_back(root_area);
+    a.weight.push_back(1);
   }
   return a;
 }
@@ -188,7 +193,8 @@ FeatureSample sample_of(std::uint64_t seed, Change&& change) {
 // the distributions are equal.
 TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
   const FeatureSample a = sample_of(3, [](double t, OutlineFeatures& f, double& root_area) {
-    f.values[1] += t, root_area += 0.2 * std::tanh(t);
+    f.values[1] += t;
+    root_area += 0.2 * std::tanh(t);
   });
   FeatureSample turned = a;  // the same areas in reverse
   for (double& area : turned.root_area) area = 2 - area;
@@ -204,8 +210,14 @@ TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
   });
   const FeatureTarget target(a, false, 1);
   FeatureSample along = a, across = a;
-  for (auto& f : along.features) f.values[2] += 0.06, f.values[7] += 0.06;
-  for (auto& f : across.features) f.values[2] += 0.06, f.values[7] -= 0.06;
+  for (auto& f : along.features) {
+    f.values[2] += 0.06;
+    f.values[7] += 0.06;
+  }
+  for (auto& f : across.features) {
+    f.values[2] += 0.06;
+    f.values[7] -= 0.06;
+  }
   EXPECT_GT(target.distance(across), 1.3 * target.distance(along));
 }
 
@@ -218,7 +230,10 @@ TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
     request.hands.emplace_back();
     for (const int i : hand) request.hands.back().push_back(candidates.outlines[i]);
   }
-  request.count = 1, request.rounds = 2, request.smallest = 0.1, request.planes = 40;
+  request.count = 1;
+  request.rounds = 2;
+  request.smallest = 0.1;
+  request.planes = 40;
   const Fit fit = fit_bodies(request);
   EXPECT_LT(fit.distance, fit.start);
   ASSERT_EQ(fit.bodies.size(), 1u);

@@ -182,7 +182,10 @@ TEST(ShapeEstimateCylinder, SectionsGiveTheProfilesBack) {
 // Extents of the body along its own axes, decreasing. Both methods align them with the base's axes.
 std::array<double, 3> extents(const Mesh& m) {
   Vec3 low = m.vertices[0], high = m.vertices[0];
-  for (const auto& v : m.vertices) low = low.cwiseMin(v), high = high.cwiseMax(v);
+  for (const auto& v : m.vertices) {
+    low = low.cwiseMin(v);
+    high = high.cwiseMax(v);
+  }
   std::array<double, 3> e{high.x() - low.x(), high.y() - low.y(), high.z() - low.z()};
   std::sort(e.begin(), e.end(), std::greater<>());
   return e;

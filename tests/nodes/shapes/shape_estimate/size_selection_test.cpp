@@ -36,7 +36,10 @@ double mean(const std::vector<double>& v) {
 
 double weighted_mean(const std::vector<CutProfile>& s) {
   double sum = 0, total = 0;
-  for (const auto& p : s) sum += p.weight * p.root_area, total += p.weight;
+  for (const auto& p : s) {
+    sum += p.weight * p.root_area;
+    total += p.weight;
+  }
   return sum / total;
 }
 
@@ -63,7 +66,8 @@ TEST(SizeSelection, ShowsSectionsAtTheScalesOfTheParticles) {
   double sum = 0, total = 0;
   for (const auto& s : sections) {
     ASSERT_GT(s.scale * s.root_area, 4 * std::exp(-0.081));  // classes are e^0.08 wide
-    sum += s.weight * std::log(s.scale * s.root_area), total += s.weight;
+    sum += s.weight * std::log(s.scale * s.root_area);
+    total += s.weight;
   }
   double seen = 0;
   for (const double v : profiles) seen += std::log(v) / static_cast<double>(profiles.size());
@@ -77,7 +81,10 @@ TEST(SizeSelection, FindsThatAllParticlesHaveOneSize) {
   const std::size_t all = sections.size();
   SizeSelection(profiles, {sections}).apply(sections);
   double weight = 0, most = 0;
-  for (const auto& s : sections) weight += s.weight, most = std::max(most, s.weight);
+  for (const auto& s : sections) {
+    weight += s.weight;
+    most = std::max(most, s.weight);
+  }
   // √A of at least 4 of 5√π: a depth of up to √(1 − 0.64/π) of the radius.
   EXPECT_NEAR(weight / most / static_cast<double>(all), std::sqrt(1 - 0.64 / M_PI), 0.04);
 }

@@ -26,7 +26,10 @@ inline Contour rectangle(double a, double b) { return {{0, 0}, {a, 0}, {a, b}, {
 // exp of a random Fourier series of the harmonics 2 to 5: star-shaped, rougher with larger `amplitude`.
 inline Contour random_star(Random& r, double amplitude, int n = 200) {
   double a[6], b[6];
-  for (int k = 2; k < 6; ++k) a[k] = amplitude * r.normal() / k, b[k] = amplitude * r.normal() / k;
+  for (int k = 2; k < 6; ++k) {
+    a[k] = amplitude * r.normal() / k;
+    b[k] = amplitude * r.normal() / k;
+  }
   Contour c;
   for (int i = 0; i < n; ++i) {
     const double t = 2 * std::numbers::pi * i / n;
@@ -51,7 +54,10 @@ inline Contour banana(double length, double width, double bend, int n = 200) {
 inline Contour pixelated(const Contour& c, double pixel) {
   // Walks along the boundary of a filled grid; its corners are the points.
   Vec2 low = c[0], high = c[0];
-  for (const auto& p : c) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  for (const auto& p : c) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
   const int w = static_cast<int>((high.x() - low.x()) / pixel) + 3,
             h = static_cast<int>((high.y() - low.y()) / pixel) + 3;
   const auto inside = [&](int i, int j) {
@@ -79,7 +85,8 @@ inline Contour pixelated(const Contour& c, double pixel) {
   int dx = 1, dy = 0, cx = x, cy = y;
   do {
     out.push_back(low + Vec2(cx - 1, cy - 1) * pixel);
-    cx += dx, cy += dy;
+    cx += dx;
+    cy += dy;
     // Whether the pixel ahead on a side of the current corner is filled.
     const auto ahead = [&](int side) {
       const int ax = dx + side * -dy, ay = dy + side * dx;  // diagonal ahead, side +1: left

@@ -43,7 +43,9 @@ TEST(ShapeMetrics, OfABall) {
 TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     RockOptions o;
-    o.seed = seed, o.roughness = 0, o.chips = 0;
+    o.seed = seed;
+    o.roughness = 0;
+    o.chips = 0;
     const auto s = shape_metrics::summarize(one(rock_mesh(o)), SectionKind::Random, {300, seed, {}});
     EXPECT_NEAR(s.mean[1], 2 * pi, 0.02);
     EXPECT_GT(s.mean[static_cast<std::size_t>(OutlineFeature::Convexity)], 0.999);
@@ -75,7 +77,8 @@ TEST(ShapeMetrics, RowsAreComparedWithTheFirst) {
 TEST(ShapeMetrics, SetsAreWeighted) {
   Shapes both = one(box_mesh({1, 1, 1}));
   both.shapes.push_back(measure_shape("ball", ellipsoid_mesh({1, 1, 1}, 2)));
-  both.shapes[0].probability = 0, both.shapes[1].probability = 1;
+  both.shapes[0].probability = 0;
+  both.shapes[1].probability = 1;
   auto parameters = few;
   parameters["rows"] = "set";
   const auto run = test::run_node("ShapeMetrics", {{"shapes", Value::of(both)}}, parameters);

@@ -23,7 +23,11 @@ double total(const SizeDistribution& d, int power) {
 
 TEST(Distribution, LawsHaveTheirMoments) {
   SizeLaw law;
-  law.classes = 2000, law.mean = 4, law.sd = 1.2, law.max = 40, law.number_density = 0.001;
+  law.classes = 2000;
+  law.mean = 4;
+  law.sd = 1.2;
+  law.max = 40;
+  law.number_density = 0.001;
   for (const LawKind kind : {LawKind::Lognormal, LawKind::Normal}) {
     law.kind = kind;
     const SizeDistribution d = make_distribution(law, nullptr);
@@ -32,7 +36,8 @@ TEST(Distribution, LawsHaveTheirMoments) {
     EXPECT_NEAR(mean, 4, 0.01) << static_cast<int>(kind);
     EXPECT_NEAR(std::sqrt(total(d, 2) / n - mean * mean), 1.2, 0.01) << static_cast<int>(kind);
   }
-  law.kind = LawKind::RosinRammler, law.exponent = 2;
+  law.kind = LawKind::RosinRammler;
+  law.exponent = 2;
   EXPECT_NEAR(law_cdf(law, 4), 1 - std::exp(-1), 1e-12);
   const SizeDistribution d = make_distribution(law, nullptr);
   EXPECT_NEAR(total(d, 1) / total(d, 0), 4 * std::tgamma(1.5), 0.01);
@@ -40,8 +45,11 @@ TEST(Distribution, LawsHaveTheirMoments) {
 
 TEST(Distribution, IntervalsAreScaledLikeDensities) {
   SizeLaw law;
-  law.kind = LawKind::Classes, law.class_edges = {0.5, 1, 1.5}, law.N_V = {0.01, 0.02};
-  law.low = {0.005, 0.01}, law.high = {0.02, 0.02};
+  law.kind = LawKind::Classes;
+  law.class_edges = {0.5, 1, 1.5};
+  law.N_V = {0.01, 0.02};
+  law.low = {0.005, 0.01};
+  law.high = {0.02, 0.02};
   SizeDistribution d = make_distribution(law, nullptr);
   EXPECT_EQ(d.shapes[0].low, law.low);
   EXPECT_EQ(d.shapes[0].high, law.high);
@@ -54,7 +62,8 @@ TEST(Distribution, IntervalsAreScaledLikeDensities) {
   EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
   law.high = {0.02};
   EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
-  law.high.clear(), law.low = {0.011, 0.02};
+  law.high.clear();
+  law.low = {0.011, 0.02};
   EXPECT_EQ(test::code_of([&] { check_law(law); }), "bad-classes");
 }
 
@@ -62,7 +71,11 @@ TEST(Distribution, FillsTheVolumeAsked) {
   for (const LawKind kind : {LawKind::Lognormal, LawKind::Uniform, LawKind::RosinRammler, LawKind::Normal})
     for (const DensityBy density_by : {DensityBy::Number, DensityBy::Volume}) {
       SizeLaw law;
-      law.kind = kind, law.density_by = density_by, law.min = 1, law.max = 8, law.volume_fraction = 0.37;
+      law.kind = kind;
+      law.density_by = density_by;
+      law.min = 1;
+      law.max = 8;
+      law.volume_fraction = 0.37;
       const SizeDistribution d = make_distribution(law, nullptr);
       EXPECT_NEAR(total(d, 3) * std::numbers::pi / 6, 0.37, 1e-9) << static_cast<int>(kind);
       EXPECT_NEAR(d.volume_fraction, 0.37, 1e-9);
@@ -79,7 +92,10 @@ TEST(Distribution, ParticlesOfAllShapesHaveOneVolume) {
   }
   for (const Types types : {Types::Mixed, Types::ByClass}) {
     SizeLaw law;
-    law.kind = LawKind::EqualVolume, law.volume = 0.125, law.volume_fraction = 0.5, law.types = types;
+    law.kind = LawKind::EqualVolume;
+    law.volume = 0.125;
+    law.volume_fraction = 0.5;
+    law.types = types;
     const SizeDistribution d = make_distribution(law, &shapes);
     ASSERT_EQ(d.shapes.size(), 3u);
     double number = 0;
@@ -100,7 +116,9 @@ TEST(Distribution, ParticlesOfAllShapesHaveOneVolume) {
     EXPECT_EQ(d.volume_fraction, 0.5);
   }
   SizeLaw law;
-  law.kind = LawKind::EqualVolume, law.volume = 0.125, law.number_density = 4;
+  law.kind = LawKind::EqualVolume;
+  law.volume = 0.125;
+  law.number_density = 4;
   const SizeDistribution balls = make_distribution(law, nullptr);
   ASSERT_EQ(balls.classes(), 1u);
   EXPECT_NEAR(balls.d_max, std::cbrt(0.75 / std::numbers::pi), 1e-5);

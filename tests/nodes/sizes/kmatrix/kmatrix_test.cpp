@@ -166,7 +166,8 @@ TEST(KMatrix, ProbabilitiesAreNormalized) {
     return test::run_node("KMatrix", {{"shapes", Value::of(s)}}, {{"orientations", "16"}}).warnings.size();
   };
   EXPECT_EQ(warnings(shapes), 1u);
-  shapes.shapes[0].probability = 0.75, shapes.shapes[1].probability = 0.25;
+  shapes.shapes[0].probability = 0.75;
+  shapes.shapes[1].probability = 0.25;
   EXPECT_EQ(warnings(shapes), 0u);
 }
 
@@ -190,9 +191,11 @@ TEST(KMatrix, RefusesWhatItCannotCut) {
   EXPECT_EQ(code(one(bad)), "bad-probabilities");
   bad.probability = 0;
   EXPECT_EQ(code(one(bad)), "bad-probabilities");
-  bad = good, bad.max_section_area = 0;
+  bad = good;
+  bad.max_section_area = 0;
   EXPECT_EQ(code(one(bad)), "unmeasured-shape");
-  bad = good, bad.volume = std::nan("");
+  bad = good;
+  bad.volume = std::nan("");
   EXPECT_EQ(code(one(bad)), "unmeasured-shape");
 }
 

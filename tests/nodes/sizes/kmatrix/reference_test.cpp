@@ -116,7 +116,9 @@ TEST(KMatrixReference, PerimetersAndSidesOfPolyhedra) {
           for (std::size_t j = 0; j < loop.size(); ++j)
             perimeter += thickness * (loop[(j + 1) % loop.size()] - loop[j]).norm();
           const int n = corners(loop);
-          by_sides[n] += thickness, sides += n * thickness, depth += thickness;
+          by_sides[n] += thickness;
+          sides += n * thickness;
+          depth += thickness;
         }
       }
     }

@@ -11,7 +11,9 @@ SizeDistribution two_entries() {
   SizeDistribution d;
   d.class_edges = {0, 0.1 + 0.2, 1e17};
   d.shapes = {{-1, 0, {0.25, 1e-300}, {0, 0}, {1.0 / 3, 5e-324}}, {2147483647, 5, {0, 1}, {0, 1}, {0, 1}}};
-  d.volume_fraction = 1.0 / 7, d.d_max = 1e17, d.goodness_of_fit = 1.3;
+  d.volume_fraction = 1.0 / 7;
+  d.d_max = 1e17;
+  d.goodness_of_fit = 1.3;
   return d;
 }
 

@@ -9,11 +9,17 @@ using namespace load_kmatrix;
 
 KMatrix two_shapes() {
   KMatrix k;
-  k.classes = 2, k.averaging = "upper_edge", k.residual = 1.0 / 7;
+  k.classes = 2;
+  k.averaging = "upper_edge";
+  k.residual = 1.0 / 7;
   k.shapes.resize(2);
   for (auto& e : k.shapes) {
-    e.probability = 0.5, e.mean_caliper = 1.0 / 3, e.max_section_area = 1e-300, e.volume = 1e300;
-    e.profiles_per_caliper = 1.1, e.cdf = {0, 0.1, 1.0 / 3, 1};
+    e.probability = 0.5;
+    e.mean_caliper = 1.0 / 3;
+    e.max_section_area = 1e-300;
+    e.volume = 1e300;
+    e.profiles_per_caliper = 1.1;
+    e.cdf = {0, 0.1, 1.0 / 3, 1};
     e.K = (Eigen::MatrixXd(2, 2) << 0.25, 0.1 + 0.2, 0, 1e-17).finished();
   }
   k.shapes[1].cls = 3;

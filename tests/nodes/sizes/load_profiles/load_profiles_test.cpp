@@ -105,11 +105,16 @@ TEST(LoadProfiles, NodeJoinsFilesAndChecksTheArea) {
 
 Profiles with_outlines() {
   Profiles p;
-  p.observed_area = 100.0 / 3, p.sections = 3, p.classes = 2, p.window = Vec2(5, 20.0 / 3);
-  p.binder_color = Vec3f(0.1f, 0.2f, 0.3f), p.area_fraction = 1.0 / 7;
+  p.observed_area = 100.0 / 3;
+  p.sections = 3;
+  p.classes = 2;
+  p.window = Vec2(5, 20.0 / 3);
+  p.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
+  p.area_fraction = 1.0 / 7;
   p.profiles.resize(2);
   p.profiles[0] = {2, 1, 0.1, Vec2(1.0 / 3, 2), true, 0, 0.7, Vec3f(0.6f, 0.7f, 0.8f), {}};
-  p.profiles[1].area = 1e-7, p.profiles[1].weight = 1 / 0.7;
+  p.profiles[1].area = 1e-7;
+  p.profiles[1].weight = 1 / 0.7;
   p.profiles[1].contour = {Vec2(0.1, 0), Vec2(1, 0.2), Vec2(-1e-300, 1.0 / 3)};
   return p;
 }

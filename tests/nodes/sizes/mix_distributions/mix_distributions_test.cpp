@@ -21,7 +21,10 @@ Shapes shape(const std::string& kind) {
 SizeDistribution uniform(double low, double high, int classes, double fraction, const Shapes& shapes) {
   distribution::SizeLaw law;
   law.kind = distribution::LawKind::Uniform;
-  law.min = low, law.max = high, law.classes = classes, law.volume_fraction = fraction;
+  law.min = low;
+  law.max = high;
+  law.classes = classes;
+  law.volume_fraction = fraction;
   return distribution::make_distribution(law, &shapes);
 }
 
@@ -63,7 +66,10 @@ TEST(MixDistributions, RandomEdgesLoseNothing) {
       const double low = r.uniform(0, 3);
       kinds.push_back(uniform(low, low + r.uniform(0.1, 5), 1 + static_cast<int>(r.below(7)), 0.1, ball));
     }
-    for (const auto& k : kinds) list.push_back(&k), sets.push_back(&ball);
+    for (const auto& k : kinds) {
+      list.push_back(&k);
+      sets.push_back(&ball);
+    }
     const Mixture m = mix(list, sets);
     for (int i = 0; i < count; ++i) {
       const double expected = number(kinds[i], 0, 0, 100);
@@ -94,13 +100,17 @@ TEST(MixDistributions, BadInputIsNamed) {
   SizeDistribution d = good;
   d.volume_fraction = 0;
   EXPECT_EQ(code(d), "relative-densities");
-  d = good, d.shapes[0].shape = 1;
+  d = good;
+  d.shapes[0].shape = 1;
   EXPECT_EQ(code(d), "bad-distribution");
-  d = good, d.shapes[0].N_V[1] = std::nan("");
+  d = good;
+  d.shapes[0].N_V[1] = std::nan("");
   EXPECT_EQ(code(d), "bad-distribution");
-  d = good, d.class_edges[1] = 1;
+  d = good;
+  d.class_edges[1] = 1;
   EXPECT_EQ(code(d), "bad-distribution");
-  d = good, d.shapes.clear();
+  d = good;
+  d.shapes.clear();
   EXPECT_EQ(code(d), "bad-distribution");
 }
 

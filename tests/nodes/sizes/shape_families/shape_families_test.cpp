@@ -70,7 +70,8 @@ Profiles cut(const Shapes& shapes, double n_v, double area, std::uint64_t seed) 
 
 ScoreOptions quick() {
   ScoreOptions s;
-  s.sections = 800, s.bootstrap = 0;
+  s.sections = 800;
+  s.bootstrap = 0;
   return s;
 }
 
@@ -119,7 +120,8 @@ TEST(ShapeFamilies, SizesAloneDecideLittle) {
   EXPECT_EQ(table.number(0, "outlines"), 0);
   EXPECT_FALSE(r.warnings.empty());
   // Without an area, densities have no unit.
-  p.observed_area = 0, p.area_fraction = 0;
+  p.observed_area = 0;
+  p.area_fraction = 0;
   const auto relative = compared();
   EXPECT_EQ(relative.output<Table>("table").column("N_V relative"), 6);
   EXPECT_EQ(relative.metrics.count("N_V"), 0u);
@@ -170,7 +172,9 @@ TEST(ShapeFamilies, ParticlesHaveShapesOfTheirSize) {
     Shape s = ball.shapes[0];
     const double scale = random.uniform(0.3, 2);
     for (Vec3& v : s.mesh.vertices) v *= scale;
-    s.max_section_area *= scale * scale, s.mean_caliper *= scale, s.probability = 1.0 / 40;
+    s.max_section_area *= scale * scale;
+    s.mean_caliper *= scale;
+    s.probability = 1.0 / 40;
     mean += s.size() / 40;
     many.shapes.push_back(s);
   }
@@ -188,16 +192,19 @@ TEST(ShapeFamilies, ParticlesHaveShapesOfTheirSize) {
 TEST(ShapeFamilies, SectionsOfAFamilyHaveSizeOne) {
   Shapes two = known("sphere", {{"detail", "3"}}).shapes.as<Shapes>();
   two.shapes.push_back(two.shapes[0]);
-  two.shapes[0].probability = 0.25, two.shapes[1].probability = 0.75;
+  two.shapes[0].probability = 0.25;
+  two.shapes[1].probability = 0.75;
   for (Vec3& v : two.shapes[1].mesh.vertices) v *= 4;
-  two.shapes[1].max_section_area *= 16, two.shapes[1].mean_caliper *= 4;
+  two.shapes[1].max_section_area *= 16;
+  two.shapes[1].mean_caliper *= 4;
   const FamilySections s = family_sections(two, 2000, 1, {});
   ASSERT_EQ(s.ratio.size(), 2000u);
   double squares = 0;
   std::size_t large = 0;
   for (std::size_t i = 0; i < s.ratio.size(); ++i) {
     EXPECT_LE(s.ratio[i], 1.001);
-    squares += s.ratio[i] * s.ratio[i], large += s.natural[i] > 1;
+    squares += s.ratio[i] * s.ratio[i];
+    large += s.natural[i] > 1;
   }
   EXPECT_NEAR(squares / 2000, 2.0 / 3, 0.02);  // of spheres, E[A] = 2/3 A_max
   EXPECT_NEAR(static_cast<double>(large), 1500, 1);

@@ -75,7 +75,9 @@ TEST(Unfold, WhatCannotFillAVolumeIsRefused) {
       test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
   const KMatrix k = make_kmatrix(solid.as<Shapes>(), {.classes = 14, .orientations = 500});
   UnfoldOptions o;
-  o.method = unfolding::Method::Inverse, o.d_max = 12, o.smallest_visible = 0;
+  o.method = unfolding::Method::Inverse;
+  o.d_max = 12;
+  o.smallest_visible = 0;
   try {
     unfolding::unfold(section(2, 10, 0.001, 3e4, 4), k, o, {});
     FAIL() << "a density of particles that do not fit";

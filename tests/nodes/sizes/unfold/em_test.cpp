@@ -70,7 +70,8 @@ class Population {
     p.area_fraction = covered / p.observed_area;
     // The densities of this test would overfill space, so thin them: only ratios matter here.
     const double thin = 0.2 / p.area_fraction;
-    p.observed_area /= thin, p.area_fraction *= thin;
+    p.observed_area /= thin;
+    p.area_fraction *= thin;
     return p;
   }
   double between(double a, double b) const {
@@ -184,7 +185,8 @@ TEST(UnfoldEm, DensitiesMayJump) {
       const Profiles p = truth.sample(2000, 500 + r);
       const double sum = sum_of(p, k, truth, mean, 2000);
       const UnfoldResult u = unfold(p, k, {.smallest_visible = 0, .d_max = hi, .bootstrap = 40}, {});
-      em += l1_error(u, truth, sum) / 4, jumps += u.fits[0].jumps / 4;
+      em += l1_error(u, truth, sum) / 4;
+      jumps += u.fits[0].jumps / 4;
       nnls +=
           l1_error(unfold(p, k, {.method = unfolding::Method::Nnls, .smallest_visible = 0, .d_max = hi}, {}),
                    truth, sum) /
@@ -275,7 +277,8 @@ TEST(SmoothPoisson, AKnownTotalIsMet) {
   p.counts = Eigen::VectorXd::LinSpaced(10, 5, 14);
   p.place = Eigen::VectorXd::LinSpaced(10, 0, 1);
   p.total = Eigen::VectorXd::Ones(10);
-  p.known_total = 120, p.known_error = 0.001;
+  p.known_total = 120;
+  p.known_error = 0.001;
   EXPECT_NEAR(mean_density(smooth_poisson_fits(p, {})).sum(), 120, 0.5);
 }
 

@@ -48,10 +48,16 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
   k.shapes.push_back(make_kmatrix(solid.as<Shapes>(), {.orientations = 500}).shapes[0]);
   const Profiles one = section(5, 10, 0.001, 4e5, 3);
   Profiles p = one;
-  for (Profile q : one.profiles) q.cls = 1, p.profiles.push_back(q);
-  p.classes = 2, p.area_fraction = 2 * one.area_fraction;
+  for (Profile q : one.profiles) {
+    q.cls = 1;
+    p.profiles.push_back(q);
+  }
+  p.classes = 2;
+  p.area_fraction = 2 * one.area_fraction;
   UnfoldOptions o;
-  o.d_max = 10, o.smallest_visible = 0, o.types = unfolding::Types::ByClass;
+  o.d_max = 10;
+  o.smallest_visible = 0;
+  o.types = unfolding::Types::ByClass;
   const UnfoldResult r = unfolding::unfold(p, k, o, {});
   ASSERT_EQ(r.distribution.shapes.size(), 2u);
   for (int s = 0; s < 2; ++s) {
@@ -67,7 +73,10 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
 
   // Shapes that name their class say the same.
   o.types = unfolding::Types::Mixed;
-  for (int s = 0; s < 2; ++s) k.shapes[s].cls = s, k.shapes[s].probability = s == 0 ? 0.9 : 0.1;
+  for (int s = 0; s < 2; ++s) {
+    k.shapes[s].cls = s;
+    k.shapes[s].probability = s == 0 ? 0.9 : 0.1;
+  }
   const UnfoldResult named = unfolding::unfold(p, k, o, {});
   ASSERT_EQ(named.distribution.shapes.size(), 2u);
   for (int s = 0; s < 2; ++s) {

@@ -23,7 +23,8 @@ TEST(Unfold, MissingFinesAreNotTakenForNone) {
   Profiles p = section(1, 10, 0.001, 1e6, 8);
   std::erase_if(p.profiles, [](const Profile& q) { return q.area < std::numbers::pi / 4 * 9; });
   UnfoldOptions o;
-  o.d_max = 10, o.smallest_visible = 3;
+  o.d_max = 10;
+  o.smallest_visible = 3;
   const UnfoldResult blind = unfolding::unfold(p, test::spheres<10>(), o, {});
   EXPECT_NEAR(number(blind.distribution, 4, 10) / (0.001 * 6 / 9), 1, 0.1);
   EXPECT_EQ(number(blind.distribution, 0, 3), 0);
@@ -33,7 +34,8 @@ TEST(Unfold, MissingFinesAreNotTakenForNone) {
 TEST(Unfold, FewProfilesGetFewerClassesAndAWarning) {
   Profiles p = section(5, 10, 0.001, 1e5, 3);
   p.profiles.resize(40);
-  p.area_fraction = 0, p.observed_area = 1e4;
+  p.area_fraction = 0;
+  p.observed_area = 1e4;
   const auto classes_and_warnings = [&](const std::string& classes) {
     const auto run =
         test::run_node("Unfold", {{"profiles", Value::of(p)}, {"kmatrix", Value::of(test::spheres<10>())}},
@@ -63,7 +65,8 @@ TEST(Unfold, TheSmallestClassIsDividedWhereSizesDifferMuch) {
   // The profiles of spheres of these sizes, relative to those observed.
   const auto shown = [&](int classes) {
     UnfoldOptions o;
-    o.smallest_visible = 0.4, o.classes = classes;
+    o.smallest_visible = 0.4;
+    o.classes = classes;
     const UnfoldResult r = unfolding::unfold(p, test::spheres<8>(), o, {});
     EXPECT_LT(r.model.edges.back(), 16);
     if (classes == 0) {
@@ -101,7 +104,8 @@ TEST(Unfold, TheSmallestClassStaysWholeWhereItHoldsFewProfiles) {
 TEST(Unfold, LimitSensitivityShowsMissingSmallProfiles) {
   const auto effect = [](const Profiles& p) {
     UnfoldOptions o;
-    o.d_max = 10, o.smallest_visible = 1;
+    o.d_max = 10;
+    o.smallest_visible = 1;
     const auto s =
         limit_sensitivity(p, test::spheres<10>(), o, unfolding::unfold(p, test::spheres<10>(), o, {}), {});
     EXPECT_TRUE(s.has_value());

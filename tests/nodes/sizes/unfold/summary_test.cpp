@@ -13,7 +13,8 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
   SizeDistribution d;
   d.class_edges = {1, 2, 4};
   d.shapes.resize(2);
-  d.shapes[0].N_V = {2, 0}, d.shapes[1].N_V = {1, 1};
+  d.shapes[0].N_V = {2, 0};
+  d.shapes[1].N_V = {1, 1};
   const SizeSummary s = summarize(d);
   EXPECT_NEAR(s.N_V, 4, 1e-12);
   EXPECT_NEAR(s.mean, (3 * 1.5 + 3) / 4, 1e-12);
@@ -25,7 +26,9 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
   EXPECT_LT(s.d10, s.d50);
   EXPECT_LT(s.d50, s.d90);
   // A fine histogram of a lognormal reproduces its parameters.
-  d.class_edges.clear(), d.shapes.resize(1), d.shapes[0].N_V.clear();
+  d.class_edges.clear();
+  d.shapes.resize(1);
+  d.shapes[0].N_V.clear();
   for (int i = 0; i <= 2000; ++i) d.class_edges.push_back(i * 0.01);
   for (int i = 0; i < 2000; ++i) {
     const double x = (i + 0.5) * 0.01;

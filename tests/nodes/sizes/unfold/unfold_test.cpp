@@ -20,7 +20,9 @@ TEST(Unfold, RecoversUniformSpheres) {
   const Profiles p = section(5, 10, 0.001, 4e6, 3);
   for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls, unfolding::Method::Inverse}) {
     UnfoldOptions o;
-    o.method = method, o.d_max = 10, o.smallest_visible = 0;
+    o.method = method;
+    o.d_max = 10;
+    o.smallest_visible = 0;
     const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), o, {});
     EXPECT_NEAR(number(r.distribution, 5, 10), 0.001, 0.00004) << static_cast<int>(method);
     EXPECT_NEAR(number(r.distribution, 0, 4), 0, 0.00008) << static_cast<int>(method);
@@ -52,7 +54,9 @@ TEST(Unfold, IntervalsEncloseTheEstimateAndShrink) {
   double width[2];
   for (int k = 0; k < 2; ++k) {
     UnfoldOptions o;
-    o.bootstrap = 60, o.d_max = 10, o.smallest_visible = 0;
+    o.bootstrap = 60;
+    o.d_max = 10;
+    o.smallest_visible = 0;
     const UnfoldResult r =
         unfolding::unfold(section(5, 10, 0.001, k ? 1.6e6 : 1e5, 5), test::spheres<10>(), o, {});
     const auto& e = r.distribution.shapes[0];
@@ -66,7 +70,8 @@ TEST(Unfold, IntervalsEncloseTheEstimateAndShrink) {
 TEST(Unfold, WithoutAnAreaDensitiesAreRelative) {
   Profiles p = section(5, 10, 0.001, 1e5, 3);
   const UnfoldResult known = unfolding::unfold(p, test::spheres<10>(), {.d_max = 10, .bootstrap = 10}, {});
-  p.observed_area = 0, p.area_fraction = 0;
+  p.observed_area = 0;
+  p.area_fraction = 0;
   for (const auto method : {unfolding::Method::Em, unfolding::Method::Nnls, unfolding::Method::Inverse}) {
     const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.method = method, .d_max = 10}, {});
     EXPECT_TRUE(r.observations.relative);
@@ -104,7 +109,8 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   Profiles p;
   p.window = {side, side};
   const int windows = 400;
-  p.sections = windows, p.observed_area = windows * side * side;
+  p.sections = windows;
+  p.observed_area = windows * side * side;
   double covered = 0;
   for (int w = 0; w < windows; ++w) {
     const double reach = side + d;
@@ -114,7 +120,8 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
       const double x = random.uniform(-d / 2, side + d / 2), y = random.uniform(-d / 2, side + d / 2);
       if (x + r < 0 || y + r < 0 || x - r > side || y - r > side) continue;
       Profile q;
-      q.section = w, q.area = std::numbers::pi * r * r;
+      q.section = w;
+      q.area = std::numbers::pi * r * r;
       q.touches_border = x < r || y < r || x > side - r || y > side - r;
       q.weight = q.touches_border ? 0 : side * side / ((side - 2 * r) * (side - 2 * r));
       if (!q.touches_border) covered += q.weight * q.area;
@@ -124,7 +131,9 @@ TEST(Unfold, BorderWeightsCountWhatTheWindowCuts) {
   p.area_fraction = covered / p.observed_area;
   const auto n_a = [&](Border border) {
     UnfoldOptions o;
-    o.border = border, o.d_max = d, o.smallest_visible = 0;
+    o.border = border;
+    o.d_max = d;
+    o.smallest_visible = 0;
     return unfolding::unfold(p, test::spheres<10>(), o, {}).fits[0].observed.sum() / (n_v * d);
   };
   EXPECT_NEAR(n_a(Border::Weights), 1, 0.02);
@@ -138,7 +147,8 @@ TEST(Unfold, ParticlesMayFillTheVolume) {
     Profiles p = section(5, 10, 0.001, 1e5, seed);
     double covered = 0;
     for (const Profile& q : p.profiles) covered += q.area;
-    p.observed_area = covered, p.area_fraction = 1;
+    p.observed_area = covered;
+    p.area_fraction = 1;
     const UnfoldResult r = unfolding::unfold(p, test::spheres<10>(), {.bootstrap = 10}, {});
     EXPECT_LE(r.distribution.volume_fraction, 1);
     EXPECT_GT(r.distribution.volume_fraction, 0.97);

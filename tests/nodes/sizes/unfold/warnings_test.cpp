@@ -40,7 +40,8 @@ TEST(UnfoldWarnings, ColumnsOfRelativeDensitiesHaveNoUnit) {
     return std::find(all.begin(), all.end(), name) != all.end();
   };
   EXPECT_TRUE(has(columns(), "N_V mm⁻³"));
-  p.observed_area = 0, p.area_fraction = 0;
+  p.observed_area = 0;
+  p.area_fraction = 0;
   const auto relative = columns();
   for (const char* name : {"N_A observed relative", "N_A refitted relative", "N_V relative",
                            "N_V low relative", "N_V high relative"})
@@ -52,7 +53,8 @@ TEST(UnfoldWarnings, RoundParticlesCannotFillSpace) {
   Profiles p = test::section(2, 10, 0.001, 1e5, 7);
   const double covered = p.area_fraction * p.observed_area;
   const auto at = [&](double fraction, const KMatrix& k) {
-    p.observed_area = covered / fraction, p.area_fraction = fraction;
+    p.observed_area = covered / fraction;
+    p.area_fraction = fraction;
     return unfolded(p, k);
   };
   EXPECT_TRUE(warns(at(0.98, test::spheres<10>()), "ShapeFamilies"));

@@ -37,7 +37,8 @@ Torus<Vec3f> waves(int turns, bool flat, const Vec3f& dark, const Vec3f& light, 
       v[a] = static_cast<double>(random.below(static_cast<std::uint64_t>(2 * turns + 1))) - turns;
     if (flat) v.x() = 0;
     if (v.norm() < 0.7 * turns || v.norm() > 1.3 * turns) continue;
-    k.push_back(v), phase.push_back(random.uniform(0, 2 * std::numbers::pi));
+    k.push_back(v);
+    phase.push_back(random.uniform(0, 2 * std::numbers::pi));
   }
   for (std::size_t i = 0; i < out.at.size(); ++i) {
     double sum = 0;
@@ -65,7 +66,10 @@ double quantile(std::vector<double> v, double u) {
 
 double deviation(const std::vector<double>& v) {
   double sum = 0, square = 0;
-  for (const double x : v) sum += x, square += x * x;
+  for (const double x : v) {
+    sum += x;
+    square += x * x;
+  }
   const double n = static_cast<double>(v.size());
   return std::sqrt(square / n - sum * sum / n / n);
 }

@@ -57,8 +57,14 @@ std::string SolidGl::why;
 
 so::SolidOptions small(const Vec3i& size) {
   so::SolidOptions s;
-  s.size = size, s.levels = 3, s.iterations = {2}, s.method = so::SolidMethod::Blockwise, s.finish = 1;
-  s.blockwise_limits.whole = 1, s.blockwise_limits.probe = 20, s.blockwise_limits.closed = 20;
+  s.size = size;
+  s.levels = 3;
+  s.iterations = {2};
+  s.method = so::SolidMethod::Blockwise;
+  s.finish = 1;
+  s.blockwise_limits.whole = 1;
+  s.blockwise_limits.probe = 20;
+  s.blockwise_limits.closed = 20;
   return s;
 }
 
@@ -74,13 +80,15 @@ TEST_F(SolidGl, MakesItWhereTheProbeIsEverythingToo) {
 
 TEST_F(SolidGl, MakesTheSameBlocks) {
   so::SolidOptions s = small(Vec3i(33, 32, 41));
-  s.blocks = Vec3i(1, 2, 2), s.block = 2;
+  s.blocks = Vec3i(1, 2, 2);
+  s.block = 2;
   EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 48, 8, 1))}, s), 0.01);
 }
 
 TEST_F(SolidGl, TakesTwoExemplarsMasksAndGreyAndKeepsSources) {
   so::SolidOptions s = small(Vec3i(32, 32, 32));
-  s.sources = true, s.plane = {0, -1, 1};
+  s.sources = true;
+  s.plane = {0, -1, 1};
   Image gray = test::blobs(48, 48, 7, 12), other = test::blobs(64, 56, 7, 3);
   for (auto* image : {&gray, &other})
     for (auto& p : image->pixels) p = Vec3f::Constant(p.mean());

@@ -24,8 +24,14 @@ namespace so = solids;
 // Three levels, of which only the coarsest is made whole. Statistics of the others are measured on a corner.
 so::SolidOptions settings_of(const Vec3i& size) {
   so::SolidOptions s;
-  s.size = size, s.levels = 3, s.iterations = {2}, s.method = so::SolidMethod::Blockwise, s.finish = 1;
-  s.blockwise_limits.whole = 1, s.blockwise_limits.probe = 20, s.blockwise_limits.closed = 24;
+  s.size = size;
+  s.levels = 3;
+  s.iterations = {2};
+  s.method = so::SolidMethod::Blockwise;
+  s.finish = 1;
+  s.blockwise_limits.whole = 1;
+  s.blockwise_limits.probe = 20;
+  s.blockwise_limits.closed = 24;
   return s;
 }
 
@@ -104,7 +110,8 @@ struct Levels {
   }
   so::TorusBox closed() const {
     so::TorusBox box;
-    box.hi = s.size, box.closed = {true, true, true};
+    box.hi = s.size;
+    box.closed = {true, true, true};
     return box;
   }
 };
@@ -115,14 +122,16 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
   const so::SolidOptions& s = all.s;
   EXPECT_FALSE(levels.measure(nullptr, Work()));  // the probe is a corner
   so::TorusBox across;
-  across.lo = Vec3i(-6, 33, -9), across.hi = Vec3i(7, 47, 5);
+  across.lo = Vec3i(-6, 33, -9);
+  across.hi = Vec3i(7, 47, 5);
   const auto one = levels.make(all.closed(), nullptr, Work()), other = levels.make(across, nullptr, Work());
   std::size_t count = 0;
   for (int z = across.lo.z(); z < across.hi.z(); ++z)
     for (int y = across.lo.y(); y < across.hi.y(); ++y)
       for (int x = across.lo.x(); x < across.hi.x(); ++x) {
         so::TorusBox a, b;
-        a.lo = Vec3i(x, y, z), a.hi = a.lo + Vec3i::Ones();
+        a.lo = Vec3i(x, y, z);
+        a.hi = a.lo + Vec3i::Ones();
         for (int k = 0; k < 3; ++k) b.lo[k] = so::wrapped(a.lo[k], s.size[k]);
         b.hi = b.lo + Vec3i::Ones();
         for (int c = 0; c < Levels::kChannels; ++c)
@@ -134,7 +143,8 @@ TEST(SolidBlocks, ATorusHasNoEdge) {
 
 TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
   so::SolidOptions s = settings_of(Vec3i(40, 33, 36));
-  s.blockwise_limits.closed = 40, s.sources = true;
+  s.blockwise_limits.closed = 40;
+  s.sources = true;
   const so::SolidResult whole = so::optimize_solid({exemplar()}, s, Work());
   EXPECT_EQ(whole.field.channel[0].size(), 40u * 33 * 36);
   EXPECT_EQ(whole.sources.texel.size(), 40u * 33 * 36);
@@ -150,7 +160,8 @@ TEST(SolidBlocks, WhereTheProbeIsEverythingTheSolidIsMadeWithIt) {
 
 TEST(SolidBlocks, LookLikeTheExemplarAsTheWholeMethodsDo) {
   so::SolidOptions s;
-  s.size = Vec3i::Constant(56), s.iterations = {8, 4};
+  s.size = Vec3i::Constant(56);
+  s.iterations = {8, 4};
   const auto sweeps = so::optimize_solid({exemplar()}, s, Work());
   s.method = so::SolidMethod::Blockwise, s.finish = 1, s.blockwise_limits.probe = 32,
   s.blockwise_limits.closed = 16;
@@ -169,7 +180,8 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
   GTEST_SKIP() << "sanitizers keep memory of their own for every byte";
 #endif
   so::SolidOptions s = settings_of(Vec3i::Constant(192));
-  s.iterations = {1}, s.blockwise_iterations = 1;
+  s.iterations = {1};
+  s.blockwise_iterations = 1;
   so::BlockBase base;
   const auto fits = [](double used, double forecast) {
     EXPECT_LT(used, 1.1 * forecast + 8e6);  // threads and tables that do not grow with the solid
@@ -178,16 +190,20 @@ TEST(SolidBlocks, NeedNoMoreMemoryThanForecast) {
   const double of_base = test::peak_of([&] { base = so::solid_base({exemplar()}, s, Work()); });
   if (of_base < 0) GTEST_SKIP() << "peak memory is not available here";
   fits(of_base, so::base_forecast({exemplar()}, s));
-  s.blocks = Vec3i(2, 2, 2), s.block = 5;
+  s.blocks = Vec3i(2, 2, 2);
+  s.block = 5;
   so::SolidResult r;
   const double of_block = test::peak_of([&] { r = so::solid_block({exemplar()}, s, base, Work()); }),
                forecast = so::block_forecast({exemplar()}, s);
   if (of_block >= 0) fits(of_block, forecast);
   // A block needs the same memory in a solid of any size, except for the matches of its coarsest level.
   so::SolidOptions large = s;
-  large.size = Vec3i::Constant(384), large.blocks = Vec3i::Constant(4), large.block = 21;
+  large.size = Vec3i::Constant(384);
+  large.blocks = Vec3i::Constant(4);
+  large.block = 21;
   EXPECT_LT(so::block_forecast({exemplar()}, large), 1.5 * forecast);
-  large.blocks = Vec3i::Ones(), large.block = 0;
+  large.blocks = Vec3i::Ones();
+  large.block = 0;
   EXPECT_GT(so::memory_forecast({exemplar()}, large), 4 * forecast);
 }
 

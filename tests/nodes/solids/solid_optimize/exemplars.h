@@ -33,7 +33,9 @@ inline Image blobs(int w, int h, double cell, std::uint64_t seed) {
 
 inline solids::SolidExemplar exemplar_of(const Image& image) {
   solids::SolidExemplar e;
-  e.width = image.width, e.height = image.height, e.pixels = image.pixels;
+  e.width = image.width;
+  e.height = image.height;
+  e.pixels = image.pixels;
   return e;
 }
 

@@ -16,7 +16,8 @@ namespace so = solids;
 
 so::SolidExemplar half_plane(int n) {
   so::SolidExemplar e;
-  e.width = n, e.height = n;
+  e.width = n;
+  e.height = n;
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) e.pixels.push_back(Vec3f::Constant(x < n / 2 ? -1.0f : 0.7f));
   return e;
@@ -35,7 +36,10 @@ TEST(SolidGuide, IsTheDistanceToTheBorder) {
   for (int x : {5, 21}) EXPECT_EQ(at(x), at(0));
   for (int x : {45, 63}) EXPECT_EQ(at(x), at(50));
   double mean = 0, square = 0;
-  for (const float g : e[0].guide) mean += g / 4096.0, square += g * g / 4096.0;
+  for (const float g : e[0].guide) {
+    mean += g / 4096.0;
+    square += g * g / 4096.0;
+  }
   EXPECT_NEAR(mean, 0, 1e-4);
   EXPECT_NEAR(square, 4, 1e-3);
 }
@@ -69,18 +73,21 @@ double reach(const Image& slices, float dark) {
           if (u < 0 || v < 0 || u >= slices.width || v >= slices.height) return;
           auto& done = seen[slices.index(u, v, z)];
           if (done || slices.at(u, v, z).mean() > dark) return;
-          done = 1, piece.emplace_back(u, v);
+          done = 1;
+          piece.emplace_back(u, v);
         };
         add(x, y);
         Eigen::Vector2i low(x, y), high(x, y);
         for (std::size_t i = 0; i < piece.size(); ++i) {
           const Eigen::Vector2i at = piece[i];
-          low = low.cwiseMin(at), high = high.cwiseMax(at);
+          low = low.cwiseMin(at);
+          high = high.cwiseMax(at);
           for (int v = -1; v <= 1; ++v)
             for (int u = -1; u <= 1; ++u) add(at.x() + u, at.y() + v);
         }
         const auto n = static_cast<double>(piece.size());
-        sum += n * (high - low).cast<double>().norm(), count += n;
+        sum += n * (high - low).cast<double>().norm();
+        count += n;
       }
   return sum / count;
 }
@@ -90,7 +97,10 @@ TEST(SolidGuide, VeinsHangTogether) {
       test::run_node("Pattern", {}, {{"kind", "marble"}, {"width", "96"}, {"height", "96"}})
           .output<Image>("image");
   float least = 1, most = 0;
-  for (const auto& p : exemplar.pixels) least = std::min(least, p.mean()), most = std::max(most, p.mean());
+  for (const auto& p : exemplar.pixels) {
+    least = std::min(least, p.mean());
+    most = std::max(most, p.mean());
+  }
   const float dark = least + 0.65f * (most - least);
   const double wanted = reach(exemplar, dark);
   double got[2] = {};

@@ -68,7 +68,8 @@ TEST(SolidOptimize, HasTheExemplarsColors) {
   Vec3 mean = Vec3::Zero(), wanted = Vec3::Zero(), square = Vec3::Zero(), wanted_square = Vec3::Zero();
   for (auto it = colors(r).cbeginValueOn(); it; ++it) {
     const Vec3 c((*it)[0], (*it)[1], (*it)[2]);
-    mean += c / (32.0 * 32 * 32), square += c.cwiseProduct(c) / (32.0 * 32 * 32);
+    mean += c / (32.0 * 32 * 32);
+    square += c.cwiseProduct(c) / (32.0 * 32 * 32);
   }
   for (const auto& p : e.pixels)
     wanted += p.cast<double>() / (64.0 * 64), wanted_square += p.cast<double>().cwiseAbs2() / (64.0 * 64);
@@ -81,9 +82,11 @@ TEST(SolidOptimize, SectionsLookMoreLikeTheExemplarThanNoiseOfItsColors) {
   namespace so = solids;
   const Image e = blobs(64, 64, 7, 3);
   so::SolidOptions s;
-  s.size = Vec3i::Constant(40), s.iterations = {8, 4};
+  s.size = Vec3i::Constant(40);
+  s.iterations = {8, 4};
   so::SolidExemplar exemplar;
-  exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
+  exemplar.width = exemplar.height = 64;
+  exemplar.pixels = e.pixels;
   const so::SolidResult r = so::optimize_solid({exemplar}, s, Work());
   so::SolidExemplar working = exemplar;
   for (auto& p : working.pixels) p = r.axes.to(p);
@@ -139,7 +142,8 @@ TEST(SolidOptimize, IsPeriodic) {
       for (int u = 0; u < 48; ++u)
         for (int v = 0; v < 48; ++v) {
           openvdb::Coord a, b;
-          a[axis] = k, b[axis] = (k + 1) % 48;
+          a[axis] = k;
+          b[axis] = (k + 1) % 48;
           a[(axis + 1) % 3] = b[(axis + 1) % 3] = u, a[(axis + 2) % 3] = b[(axis + 2) % 3] = v;
           step[static_cast<std::size_t>(k)] += (grid.getValue(a) - grid.getValue(b)).length();
         }
@@ -210,8 +214,10 @@ TEST(SolidOptimize, FeaturesComeFromTheSourcesPixel) {
 TEST(SolidOptimize, NothingComesFromWhereTheMaskForbids) {
   const Image e = blobs(64, 48, 8, 10);
   Labels mask;
-  mask.width = 64, mask.height = 48;
-  mask.ids.assign(64 * 48, 1), mask.classes = {0};
+  mask.width = 64;
+  mask.height = 48;
+  mask.ids.assign(64 * 48, 1);
+  mask.classes = {0};
   for (int y = 0; y < 48; ++y)
     for (int x = 40; x < 64; ++x) mask.ids[static_cast<std::size_t>(y) * 64 + x] = 0;
   const auto r =
@@ -241,9 +247,11 @@ TEST(SolidOptimize, NeedsNoMoreMemoryThanItForecasts) {
   namespace so = solids;
   const Image e = blobs(64, 64, 8, 1);
   so::SolidExemplar exemplar;
-  exemplar.width = exemplar.height = 64, exemplar.pixels = e.pixels;
+  exemplar.width = exemplar.height = 64;
+  exemplar.pixels = e.pixels;
   so::SolidOptions s;
-  s.size = Vec3i::Constant(96), s.iterations = {1};
+  s.size = Vec3i::Constant(96);
+  s.iterations = {1};
   so::SolidResult r;
   const double used = peak_of([&] { r = so::optimize_solid({exemplar}, s, Work()); }),
                forecast = so::memory_forecast({exemplar}, s);
@@ -274,7 +282,8 @@ TEST(SolidOptimize, RgbAxesAreTheStoredChannels) {
     // Each working channel is one encoded channel, moved and scaled.
     const Vec3f stored = axes.axes.cast<float>().transpose() * linear_to_srgb(p);
     EXPECT_LT((w / axes.scale + axes.axes.cast<float>().transpose() * axes.mean - stored).norm(), 1e-5f);
-    mean += w.cast<double>(), square += w.cast<double>().cwiseAbs2();
+    mean += w.cast<double>();
+    square += w.cast<double>().cwiseAbs2();
   }
   const double n = static_cast<double>(image.pixels.size());
   const Vec3 variance = square / n - (mean / n).cwiseAbs2();
@@ -309,7 +318,8 @@ TEST(SolidOptimize, SaysWhatIsWrong) {
   broken.at(5, 6)[1] = std::nanf("");
   EXPECT_EQ(code_of([&] { solid(broken); }), "bad-pixels");
   Labels none;
-  none.width = none.height = 64, none.ids.assign(64 * 64, 0);
+  none.width = none.height = 64;
+  none.ids.assign(64 * 64, 0);
   EXPECT_EQ(code_of([&] {
               test::run_node(
                   "SolidOptimize",

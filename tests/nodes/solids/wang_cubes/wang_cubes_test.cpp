@@ -109,8 +109,14 @@ TEST(WangCubes, ContinueEachOtherWithoutRepeating) {
   }
   // The colors are the solid's.
   double sum = 0, square = 0, from = 0, from_square = 0;
-  for (const Vec3f& c : whole.at) sum += c.x(), square += c.x() * c.x();
-  for (const Vec3f& c : solid.at) from += c.x(), from_square += c.x() * c.x();
+  for (const Vec3f& c : whole.at) {
+    sum += c.x();
+    square += c.x() * c.x();
+  }
+  for (const Vec3f& c : solid.at) {
+    from += c.x();
+    from_square += c.x() * c.x();
+  }
   const double n = static_cast<double>(whole.at.size()), m = static_cast<double>(solid.at.size());
   EXPECT_NEAR(sum / n, from / m, 0.03);
   EXPECT_NEAR(square / n, from_square / m, 0.03);
@@ -120,7 +126,8 @@ TEST(WangCubes, AllCubesAreTheSolidAlongTheirEdges) {
   const Torus<Vec3f> solid = blobs();
   const Lattice l = random_lattice(Vec3i(2, 2, 1), 2, 3);
   CubeOptions s;
-  s.fill.iterations = {2}, s.rim = 3;
+  s.fill.iterations = {2};
+  s.rim = 3;
   const CubeSet set = make_cubes(solid, l, s, Work());
   int inside = 0;
   for (std::size_t i = 0; i < solid.at.size(); ++i) {

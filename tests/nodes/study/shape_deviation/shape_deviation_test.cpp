@@ -16,8 +16,10 @@ Table metrics(double a, double b, const std::string& name = "other") {
   const auto row = [&](const std::string& of, const char* sections, double x, double y) {
     t.rows.push_back({of, std::string(sections), 10.0, 1 + x / 100, 0.5, x, 2 + y / 50, 0.5, y});
   };
-  row("original", "central", 0, 0), row(name, "central", a, b);
-  row("original", "random", 0, 0), row(name, "random", 2 * a, 2 * b);
+  row("original", "central", 0, 0);
+  row(name, "central", a, b);
+  row("original", "random", 0, 0);
+  row(name, "random", 2 * a, 2 * b);
   return t;
 }
 

@@ -40,7 +40,10 @@ TEST(ProfileSampler, ShowsWhatClosedFormsSay) {
   EXPECT_NEAR(n_a / (7 * 0.002), 1, 0.01);
   const double volume = std::numbers::pi / 6 * mean_cube(4, 10);
   double area = 0, largest = 0;
-  for (const auto& q : p.profiles) area += q.area, largest = std::max(largest, q.area);
+  for (const auto& q : p.profiles) {
+    area += q.area;
+    largest = std::max(largest, q.area);
+  }
   EXPECT_NEAR(area / p.observed_area / (volume * 0.002), 1, 0.01);
   EXPECT_NEAR(p.area_fraction, area / p.observed_area, 1e-12);
   EXPECT_LE(largest, std::numbers::pi / 4 * 100);
@@ -60,7 +63,8 @@ TEST(TrueSizes, SumsWithinEdges) {
 TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
   StudyOptions o;
   o.methods = {"em", "nnls", "inverse", "equation 4"};
-  o.repetitions = 4, o.largest = unfold_study::LargestSize::Known;
+  o.repetitions = 4;
+  o.largest = unfold_study::LargestSize::Known;
   o.profiles = 1000;
   const auto few = study(uniform(0, 10, 0.0005), spheres(), o, {});
   o.profiles = 100000;
@@ -81,7 +85,8 @@ TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
 TEST(UnfoldStudy, Equation7EndsTheClassesTooEarly) {
   StudyOptions o;
   o.methods = {"em"};
-  o.repetitions = 8, o.profiles = 200;
+  o.repetitions = 8;
+  o.profiles = 200;
   const auto end = [&](unfold_study::LargestSize largest) {
     o.largest = largest;
     return study(uniform(0, 10, 0.0005), spheres(), o, {})[0].edges.back();
@@ -95,7 +100,9 @@ TEST(UnfoldStudy, Equation7EndsTheClassesTooEarly) {
 TEST(UnfoldStudy, TellsHowOftenIntervalsHold) {
   StudyOptions o;
   o.methods = {"em", "inverse"};
-  o.repetitions = 4, o.bootstrap = 30, o.profiles = 400;
+  o.repetitions = 4;
+  o.bootstrap = 30;
+  o.profiles = 400;
   const auto r = study(uniform(2, 10, 0.0005), spheres(), o, {});
   EXPECT_GT(r[0].coverage, 0.5);
   EXPECT_LE(r[0].coverage, 1);

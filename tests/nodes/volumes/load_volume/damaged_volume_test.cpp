@@ -30,7 +30,8 @@ class DamagedVolume : public ::testing::Test {
     v.resolution = Vec3i(16, 16, 16);
     const auto add = [&]<class Grid>(const char* name, typename Grid::ValueType background, auto value) {
       auto g = Grid::create(background);
-      g->setName(name), g->setTransform(voxel_transform(0.25));
+      g->setName(name);
+      g->setTransform(voxel_transform(0.25));
       for (int i = 0; i < 200; ++i)
         g->tree().setValue(openvdb::Coord(i % 7 - 3, i % 11 * 3, i - 40), value(i));
       g->tree().addTile(1, openvdb::Coord(512, 0, 0), value(3), true);
@@ -103,9 +104,11 @@ TEST_F(DamagedVolume, FilesOfOpenVdbsOwnWriter) {
           EXPECT_EQ(ours->tree().getValue(it.getCoord()), *it);
       } else {
         Volume first;
-        first.resolution = volume.resolution, first.grids = {back.grids.begin(), back.grids.begin() + 5};
+        first.resolution = volume.resolution;
+        first.grids = {back.grids.begin(), back.grids.begin() + 5};
         Volume expected;
-        expected.resolution = volume.resolution, expected.grids = {grids.begin(), grids.begin() + 5};
+        expected.resolution = volume.resolution;
+        expected.grids = {grids.begin(), grids.begin() + 5};
         EXPECT_EQ(encoded(first), encoded(expected)) << compression;
       }
       EXPECT_EQ(back.find<openvdb::FloatGrid>("twin")->activeVoxelCount(),

@@ -35,12 +35,16 @@ void write(const fs::path& path, const SliceFile& s) {
   const auto text = [&](const DcmTagKey& tag, const std::string& v) {
     ASSERT_TRUE(set.putAndInsertString(tag, v.c_str()).good()) << v;
   };
-  text(DCM_SOPClassUID, UID_CTImageStorage), text(DCM_SOPInstanceUID, "1.2.3.4");
+  text(DCM_SOPClassUID, UID_CTImageStorage);
+  text(DCM_SOPInstanceUID, "1.2.3.4");
   text(DCM_SeriesInstanceUID, s.series);
   text(DCM_PhotometricInterpretation, "MONOCHROME2");
-  set.putAndInsertUint16(DCM_SamplesPerPixel, 1), set.putAndInsertUint16(DCM_Rows, 2);
-  set.putAndInsertUint16(DCM_Columns, 3), set.putAndInsertUint16(DCM_BitsAllocated, 16);
-  set.putAndInsertUint16(DCM_BitsStored, s.bits), set.putAndInsertUint16(DCM_HighBit, Uint16(s.bits - 1));
+  set.putAndInsertUint16(DCM_SamplesPerPixel, 1);
+  set.putAndInsertUint16(DCM_Rows, 2);
+  set.putAndInsertUint16(DCM_Columns, 3);
+  set.putAndInsertUint16(DCM_BitsAllocated, 16);
+  set.putAndInsertUint16(DCM_BitsStored, s.bits);
+  set.putAndInsertUint16(DCM_HighBit, Uint16(s.bits - 1));
   set.putAndInsertUint16(DCM_PixelRepresentation, 1);
   text(DCM_PixelSpacing, fmt::format("{}\\{}", s.dy, s.dx));
   text(DCM_ImagePositionPatient, fmt::format("-10\\-20\\{}", s.z));
@@ -96,11 +100,14 @@ TEST(LoadDicom, BadSeries) {
   write(folder / "g1.dcm", {.z = 0}), write(folder / "g2.dcm", {.z = 2}), write(folder / "g3.dcm", {.z = 4}),
       write(folder / "g4.dcm", {.z = 10});
   EXPECT_EQ(code("g*.dcm"), "missing-slices");
-  write(folder / "m1.dcm", {.z = 0}), write(folder / "m2.dcm", {.z = 2, .series = "1.2.4"});
+  write(folder / "m1.dcm", {.z = 0});
+  write(folder / "m2.dcm", {.z = 2, .series = "1.2.4"});
   EXPECT_EQ(code("m*.dcm"), "mixed-series");
-  write(folder / "s1.dcm", {.z = 0}), write(folder / "s2.dcm", {.z = 2, .dx = 0.9});
+  write(folder / "s1.dcm", {.z = 0});
+  write(folder / "s2.dcm", {.z = 2, .dx = 0.9});
   EXPECT_EQ(code("s*.dcm"), "mixed-series");
-  write(folder / "d1.dcm", {.z = 1}), write(folder / "d2.dcm", {.z = 1});
+  write(folder / "d1.dcm", {.z = 1});
+  write(folder / "d2.dcm", {.z = 1});
   EXPECT_EQ(code("d*.dcm"), "missing-slices");
   std::ifstream in(folder / "g1.dcm", std::ios::binary);
   const std::string whole((std::istreambuf_iterator<char>(in)), {});

@@ -50,7 +50,10 @@ void write_latest(const fs::path& path, const LatestArray& a, int arrays = 1, in
   H5Gclose(group);
   const hid_t creation = H5Pcreate(H5P_DATASET_CREATE);
   if (!a.chunk.empty()) H5Pset_chunk(creation, 3, a.chunk.data());
-  if (a.packed) H5Pset_shuffle(creation), H5Pset_deflate(creation, 6);
+  if (a.packed) {
+    H5Pset_shuffle(creation);
+    H5Pset_deflate(creation, 6);
+  }
   if (a.checked) H5Pset_fletcher32(creation);
   const hid_t space = H5Screate_simple(3, a.size.data(), a.most.empty() ? nullptr : a.most.data());
   for (int n = 0; n < arrays; ++n) {
@@ -62,7 +65,11 @@ void write_latest(const fs::path& path, const LatestArray& a, int arrays = 1, in
     H5Dwrite(set, H5T_NATIVE_INT32, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
     H5Dclose(set);
   }
-  H5Sclose(space), H5Pclose(creation), H5Sclose(space_3), H5Pclose(parents), H5Pclose(access);
+  H5Sclose(space);
+  H5Pclose(creation);
+  H5Sclose(space_3);
+  H5Pclose(parents);
+  H5Pclose(access);
   H5Fclose(file);
 }
 

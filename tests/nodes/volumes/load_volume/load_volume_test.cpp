@@ -50,7 +50,8 @@ TEST(LoadVolume, NiftiOfTheOtherByteOrderAndOfFloats) {
   n.fill<std::int16_t>(12, [](std::size_t i) { return static_cast<std::int16_t>(300 * i - 1000); });
   EXPECT_EQ(at(grid_of(test::load_volume(n.write(folder / "swapped.nii"))), 2, 1, 1), 2300);
   Nifti f;
-  f.datatype = 16, f.bits = 32;
+  f.datatype = 16;
+  f.bits = 32;
   f.fill<float>(12, [](std::size_t i) { return 0.25f * float(i); });
   EXPECT_EQ(at(grid_of(test::load_volume(f.write(folder / "float.nii"))), 2, 0, 1), 2);
 }
@@ -58,7 +59,8 @@ TEST(LoadVolume, NiftiOfTheOtherByteOrderAndOfFloats) {
 TEST(LoadVolume, RescaleIsTheFilesUnlessWritten) {
   const auto folder = test::temporary_folder();
   Nifti n = counting();
-  n.slope = 2, n.intercept = -1024;
+  n.slope = 2;
+  n.intercept = -1024;
   const auto path = n.write(folder / "a.nii");
   EXPECT_EQ(at(grid_of(test::load_volume(path)), 1, 0, 0), -1004);
   EXPECT_EQ(at(grid_of(test::load_volume(path, {{"slope", "3"}})), 1, 0, 0), -994);
@@ -100,7 +102,9 @@ TEST(LoadVolume, BadNifti) {
   series.dim = {4, 3, 2, 1, 2, 1, 1, 1};
   EXPECT_EQ(code_of([&] { test::load_volume(series.write(folder / "series.nii")); }), "not-a-volume");
   Nifti rgb = counting();
-  rgb.datatype = 128, rgb.bits = 24, rgb.data.resize(36);
+  rgb.datatype = 128;
+  rgb.bits = 24;
+  rgb.data.resize(36);
   EXPECT_EQ(code_of([&] { test::load_volume(rgb.write(folder / "rgb.nii")); }), "not-a-volume");
   Nifti without = counting();
   without.pixdim = {1, 0, 0, 0, 0, 0, 0, 0};
@@ -110,7 +114,8 @@ TEST(LoadVolume, BadNifti) {
             openvdb::Vec3d(1, 2, 3));
   EXPECT_EQ(code_of([&] { test::load_volume(path, {{"spacing", "[1, 2]"}}); }), "bad-spacing");
   Nifti nan;
-  nan.datatype = 16, nan.bits = 32;
+  nan.datatype = 16;
+  nan.bits = 32;
   nan.fill<float>(12, [](std::size_t i) { return i == 7 ? NAN : 1.0f; });
   EXPECT_EQ(code_of([&] { test::load_volume(nan.write(folder / "nan.nii")); }), "bad-values");
   Nifti huge = counting();
@@ -181,10 +186,12 @@ TEST(LoadVolume, OpenVdbComesBackAsItWasWritten) {
   Volume v;
   v.resolution = Vec3i(4, 4, 4);
   auto a = openvdb::FloatGrid::create(-3);
-  a->setName("a"), a->setTransform(voxel_transform(0.25));
+  a->setName("a");
+  a->setTransform(voxel_transform(0.25));
   a->tree().setValue(openvdb::Coord(1, 2, 3), 7);
   auto b = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
-  b->setName("Cd"), b->setTransform(voxel_transform(0.25));
+  b->setName("Cd");
+  b->setTransform(voxel_transform(0.25));
   b->tree().setValue(openvdb::Coord(0), openvdb::Vec3s(1, 2, 3));
   v.grids = {a, b};
   write_vdb(folder / "v.vdb", v, "");

@@ -34,11 +34,16 @@ struct NiftiFile {
   std::filesystem::path write(const std::filesystem::path& path) const {
     std::string b(352, '\0');
     put<std::int32_t>(b, 0, 348);
-    for (int i = 0; i < 8; ++i) put(b, 40 + 2 * i, dim[i]), put(b, 76 + 4 * i, pixdim[i]);
-    put(b, 70, datatype), put(b, 72, bits);
+    for (int i = 0; i < 8; ++i) {
+      put(b, 40 + 2 * i, dim[i]);
+      put(b, 76 + 4 * i, pixdim[i]);
+    }
+    put(b, 70, datatype);
+    put(b, 72, bits);
     put<float>(b, 108, voxels_at), put(b, 112, slope), put(b, 116, intercept);
     b[123] = units;
-    put(b, 252, qform), put(b, 254, sform);
+    put(b, 252, qform);
+    put(b, 254, sform);
     for (int i = 0; i < 12; ++i) put(b, 280 + 4 * i, srow[i]);
     b.replace(344, 4, magic);
     std::ofstream(path, std::ios::binary) << b << data;
@@ -47,7 +52,9 @@ struct NiftiFile {
   // Writes the .hdr to `header` and the voxels to `voxels`.
   void write_pair(const std::filesystem::path& header, const std::filesystem::path& voxels) const {
     NiftiFile pair = *this;
-    pair.voxels_at = 0, pair.data.clear(), pair.magic = std::string("ni1\0", 4);
+    pair.voxels_at = 0;
+    pair.data.clear();
+    pair.magic = std::string("ni1\0", 4);
     pair.write(header);
     std::ofstream(voxels, std::ios::binary) << data;
   }

@@ -69,7 +69,10 @@ TEST_F(Slices, NumbersAreThoseThatAreStored) {
   const auto page = [](int width, int height, int bits, int format, int photometric,
                        const std::string& pixels) {
     TiffPage p{width, height};
-    p.bits = bits, p.format = format, p.photometric = photometric, p.pixels = pixels;
+    p.bits = bits;
+    p.format = format;
+    p.photometric = photometric;
+    p.pixels = pixels;
     return p;
   };
   EXPECT_EQ(numbers(page(3, 1, 8, 1, 0, {0, 90, '\xff'})), (Numbers{0, 90, 255})) << "WhiteIsZero";
@@ -97,11 +100,13 @@ TEST_F(Slices, OtherByteOrdersAndPlanes) {
   for (const bool big_endian : {false, true})
     for (const bool wide : {false, true}) {
       TiffPage p{2, 1};
-      p.bits = 16, p.pixels = number_bytes<std::uint16_t>({258, 3}, big_endian);
+      p.bits = 16;
+      p.pixels = number_bytes<std::uint16_t>({258, 3}, big_endian);
       EXPECT_EQ(numbers(p, {big_endian, wide}), (Numbers{258, 3})) << big_endian << wide;
     }
   TiffPage planes{2, 1};
-  planes.samples = 2, planes.pixels = {1, 2, 3, 4};
+  planes.samples = 2;
+  planes.pixels = {1, 2, 3, 4};
   // Two strips, one for each plane, which lie after the header of 8 bytes.
   planes.tags = {{284, {2}}, {338, {0}}, {273, {8, 10}}, {279, {2, 2}}};
   const fs::path path = write(tiff_file({planes}));
@@ -113,7 +118,9 @@ TEST_F(Slices, OtherByteOrdersAndPlanes) {
 
 TEST_F(Slices, PalettesAreIndices) {
   TiffPage p{3, 1};
-  p.bits = 4, p.photometric = 3, p.pixels = {'\x01', '\xf0'};
+  p.bits = 4;
+  p.photometric = 3;
+  p.pixels = {'\x01', '\xf0'};
   p.tags = {{320, std::vector<std::uint32_t>(48, 40000)}};
   const auto run = load(write(tiff_file({p})));
   EXPECT_EQ(numbers(run), (Numbers{0, 1, 15}));
@@ -123,7 +130,8 @@ TEST_F(Slices, PalettesAreIndices) {
 
 TEST_F(Slices, IdsDoNotPassThroughFloats) {
   TiffPage p{2, 1};
-  p.bits = 32, p.pixels = number_bytes<std::uint32_t>({16777217, 2147483647});
+  p.bits = 32;
+  p.pixels = number_bytes<std::uint32_t>({16777217, 2147483647});
   EXPECT_EQ(numbers(load(write(tiff_file({p})), {{"grid", "id"}}), "id"), (Numbers{16777217, 2147483647}));
   EXPECT_EQ(numbers(load(folder / "a.tif", {{"grid", "id"}, {"intercept", "-1"}}), "id"),
             (Numbers{16777216, 2147483646}));
@@ -136,7 +144,8 @@ TEST_F(Slices, IdsDoNotPassThroughFloats) {
     EXPECT_NE(e.diagnostic().message.find("2147483648 at voxel (1, 0, 0)"), std::string::npos) << e.what();
   }
   TiffPage wide{1, 1};
-  wide.bits = 64, wide.pixels = number_bytes<std::uint64_t>({18446744073709551615u});
+  wide.bits = 64;
+  wide.pixels = number_bytes<std::uint64_t>({18446744073709551615u});
   try {
     load(write(tiff_file({wide})));
     ADD_FAILURE();
@@ -149,7 +158,8 @@ TEST_F(Slices, IdsDoNotPassThroughFloats) {
 TEST_F(Slices, PagesAreSlicesWithoutThumbnails) {
   auto file = pages(3, "");
   TiffPage thumbnail{1, 1};
-  thumbnail.pixels = "x", thumbnail.tags = {{254, {1}}};
+  thumbnail.pixels = "x";
+  thumbnail.tags = {{254, {1}}};
   file.push_back(thumbnail);
   file.insert(file.begin(), thumbnail);
   EXPECT_EQ(numbers(load(write(tiff_file(file)))), (Numbers{0, 100, 1, 101, 2, 102}));
@@ -160,7 +170,8 @@ TEST_F(Slices, PagesAreSlicesWithoutThumbnails) {
 
 TEST_F(Slices, ImageJStacksWithOneDirectory) {
   TiffPage p{2, 1};
-  p.bits = 16, p.description = "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=2.5\nloop=false\n";
+  p.bits = 16;
+  p.description = "ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nspacing=2.5\nloop=false\n";
   for (const bool big_endian : {false, true}) {
     p.pixels = number_bytes<std::uint16_t>({1, 2, 300, 400, 5, 6}, big_endian);
     EXPECT_EQ(numbers(load(write(tiff_file({p}, {big_endian})))), (Numbers{1, 2, 300, 400, 5, 6}));

@@ -29,7 +29,8 @@ Shares shares(const std::vector<float>& v, std::size_t begin, std::size_t end) {
 TEST(Phantom, HoldsEveryTissueForAnySeed) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     phantom::LimbOptions limb;
-    limb.resolution = Vec3i(48, 48, 48), limb.seed = seed;
+    limb.resolution = Vec3i(48, 48, 48);
+    limb.seed = seed;
     const auto v = phantom::limb(limb);
     const std::size_t slice = 48 * 48;
     const Shares all = shares(v, 0, v.size()), cut = shares(v, 0, slice),
@@ -50,7 +51,8 @@ TEST(Phantom, HoldsEveryTissueForAnySeed) {
 TEST(Phantom, ScalesWithItsLengthAndStretchesItsVoxels) {
   phantom::LimbOptions a, b;
   a.resolution = b.resolution = Vec3i(24, 24, 36);
-  a.noise = b.noise = 0, b.length = 120;
+  a.noise = b.noise = 0;
+  b.length = 120;
   EXPECT_EQ(phantom::limb(a), phantom::limb(b));
   phantom::LimbOptions stretched = a;
   stretched.resolution = Vec3i(24, 24, 6);
@@ -62,7 +64,8 @@ TEST(Phantom, ScalesWithItsLengthAndStretchesItsVoxels) {
 TEST(Phantom, NoiseHasTheDeviationAskedFor) {
   phantom::LimbOptions quiet, noisy;
   quiet.resolution = noisy.resolution = Vec3i(32, 32, 32);
-  quiet.noise = 0, noisy.noise = 12;
+  quiet.noise = 0;
+  noisy.noise = 12;
   const auto a = phantom::limb(quiet), b = phantom::limb(noisy);
   double sum = 0, squares = 0;
   std::size_t n = 0;

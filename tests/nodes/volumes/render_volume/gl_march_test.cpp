@@ -43,11 +43,15 @@ TEST(GlMarch, PicturesEqualTheProcessors) {
     GTEST_SKIP() << e.what();
   }
   Look look;
-  look.width = 96, look.height = 70;
+  look.width = 96;
+  look.height = 70;
   for (int k = 0; k < 5; ++k) {
     look.clip = {Vec3f::Zero(), Vec3f::Ones()};
     if (k % 2) look.clip = {Vec3f(0, 0, 0.1f), Vec3f(0.6f, 1, 0.5f)};
-    look.samples = 1 + k % 2, look.up = k % 3, look.elevation = 60 * k - 80, look.seed = 7 + k;
+    look.samples = 1 + k % 2;
+    look.up = k % 3;
+    look.elevation = 60 * k - 80;
+    look.seed = 7 + k;
     look.opacity = k == 3 ? 0.05 : 1;
     look.skip_empty = k != 4;
     const Scene scene = scene_of(look, k > 0);

@@ -32,7 +32,9 @@ ScanField ball(int n, double radius) {
 
 Look small() {
   Look l;
-  l.width = l.height = 48, l.modulation = 0, l.background = Vec3f::Zero();
+  l.width = l.height = 48;
+  l.modulation = 0;
+  l.background = Vec3f::Zero();
   return l;
 }
 
@@ -91,8 +93,12 @@ Slab slab(const Vec3& lamp, double penetration, double opacity, double thickness
     return z < gap / 2 || z > gap / 2 + thickness / 2 ? -1000 : 50;
   });
   Look l = small();
-  l.elevation = 85, l.zoom = 40, l.step = 0.1;
-  l.translucency = 1, l.penetration = penetration, l.lamp = lamp;
+  l.elevation = 85;
+  l.zoom = 40;
+  l.step = 0.1;
+  l.translucency = 1;
+  l.penetration = penetration;
+  l.lamp = lamp;
   // A narrow class, so that its borders are where the density jumps.
   Scene scene(scan, parse_tissues({"all 0 100 #ffffff opacity=" + std::to_string(opacity)}), {}, l);
   const Frame frame = frame_of(scene, 0);
@@ -152,7 +158,8 @@ TEST(VolumeMarch, SkippingChangesNothing) {
       return r.uniform() < 0.08 ? 60 + 400 * r.uniform() : -1000;
     });
     Look l = small();
-    l.azimuth = 30 + 100 * seed, l.elevation = -30 + 40 * seed;
+    l.azimuth = 30 + 100 * seed;
+    l.elevation = -30 + 40 * seed;
     l.translucency = 0.5 * seed;
     Scene scene(scan,
                 parse_tissues({"skin -600 -190 #d9a58c noise opacity=0.25", "fat -190 -30 #ead9a9",
@@ -248,7 +255,10 @@ TEST(VolumeMarch, ATextureKeepsItsMeanAtEveryScale) {
     l.scales = {scale, scale, scale};
     const auto textured = picture(Scene(scan, tissues, {texture}, l));
     Vec3f a = Vec3f::Zero(), b = Vec3f::Zero();
-    for (std::size_t i = 0; i < plain.size(); ++i) a += plain[i], b += textured[i];
+    for (std::size_t i = 0; i < plain.size(); ++i) {
+      a += plain[i];
+      b += textured[i];
+    }
     EXPECT_LT((a - b).norm(), (scale < 1 ? 0.06 : 0.15) * a.norm()) << scale;
     if (scale == 0.01) {
       EXPECT_LT(mean_difference(plain, textured), 1e-3);  // below a pixel the texture becomes its mean
@@ -336,7 +346,9 @@ TEST(VolumeMarch, SimplexNoiseIsSmoothAndAboutZero) {
     const Vec3f p(float(r.uniform(-40, 40)), float(r.uniform(-40, 40)), float(r.uniform(-40, 40)));
     const float v = simplex(7, p);
     ASSERT_LT(std::abs(simplex(7, p + Vec3f(1e-3f, -1e-3f, 1e-3f)) - v), 0.02f);
-    sum += v, squares += v * v, most = std::max(most, std::abs(v));
+    sum += v;
+    squares += v * v;
+    most = std::max(most, std::abs(v));
   }
   EXPECT_NEAR(sum / 20000, 0, 0.01);
   EXPECT_GT(std::sqrt(squares / 20000), 0.2);

@@ -62,7 +62,8 @@ inline Mesh cube_mesh() {
 inline Shapes shapes_of(Mesh mesh) {
   Shapes s;
   s.shapes.resize(1);
-  s.shapes[0].name = "body", s.shapes[0].mesh = std::move(mesh);
+  s.shapes[0].name = "body";
+  s.shapes[0].mesh = std::move(mesh);
   return s;
 }
 
@@ -74,7 +75,9 @@ inline Particles one_particle(Vec3 box, Vec3 position, double scale) {
   Particles p;
   p.box = box;
   p.resize(1);
-  p.position[0] = position, p.scale[0] = p.size[0] = scale, p.color[0] = Vec3f(0.8f, 0.2f, 0.1f);
+  p.position[0] = position;
+  p.scale[0] = p.size[0] = scale;
+  p.color[0] = Vec3f(0.8f, 0.2f, 0.1f);
   p.binder_color = Vec3f(0.1f, 0.3f, 0.5f);
   return p;
 }

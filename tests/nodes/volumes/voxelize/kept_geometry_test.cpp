@@ -17,7 +17,10 @@ Particles colored(std::uint64_t seed, bool voids) {
   Particles p;
   p.box = Vec3(4, 4, 8);
   p.resize(40);
-  if (voids) p.voids.assign(40, 0), p.voids[3] = p.voids[17] = 1;
+  if (voids) {
+    p.voids.assign(40, 0);
+    p.voids[3] = p.voids[17] = 1;
+  }
   for (std::size_t i = 0; i < 40; ++i) {
     Random place(1, 0, i), color(seed, 1, i);
     p.position[i] = p.box.cwiseProduct(Vec3(place.uniform(), place.uniform(), place.uniform()));
@@ -34,7 +37,8 @@ Particles colored(std::uint64_t seed, bool voids) {
 // Noise, rims and factors that tell phases, places and distances apart.
 Detail fine_detail() {
   Detail d;
-  d.pixel_size = 0.3, d.size = 6;
+  d.pixel_size = 0.3;
+  d.size = 6;
   for (std::uint64_t k = 0; k < 3; ++k) {
     Detail::Phase phase;
     phase.color = Vec3f::Constant(0.1f + 0.35f * static_cast<float>(k));

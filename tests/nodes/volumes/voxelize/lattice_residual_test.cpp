@@ -27,7 +27,8 @@ Volume noise(int n, double voxel) {
             {i, j, k}, openvdb::Vec3s(static_cast<float>(r.normal()), static_cast<float>(r.normal()), 0));
       }
   Volume v;
-  v.resolution = Vec3i::Constant(n), v.grids = {grid};
+  v.resolution = Vec3i::Constant(n);
+  v.grids = {grid};
   return v;
 }
 
@@ -40,7 +41,10 @@ std::vector<Vec3f> sampled(const LatticeResidual& d, const Lattice& l) {
 
 double variance(const std::vector<Vec3f>& v) {
   double s = 0, q = 0;
-  for (const auto& x : v) s += x.x(), q += static_cast<double>(x.x()) * x.x();
+  for (const auto& x : v) {
+    s += x.x();
+    q += static_cast<double>(x.x()) * x.x();
+  }
   const double n = static_cast<double>(v.size());
   return q / n - s / n * s / n;
 }
@@ -87,14 +91,16 @@ TEST(LatticeResidual, TilesInTheBox) {
   // A slow wave: the step across the face of the box is no larger than the steps inside.
   initialize_openvdb();
   auto grid = openvdb::Vec3SGrid::create(openvdb::Vec3s(0.0f));
-  grid->setName("residual"), grid->setTransform(voxel_transform(0.1));
+  grid->setName("residual");
+  grid->setTransform(voxel_transform(0.1));
   for (int i = 0; i < 16; ++i)
     for (int j = 0; j < 16; ++j)
       for (int k = 0; k < 16; ++k)
         grid->tree().setValueOn(
             {i, j, k}, openvdb::Vec3s(static_cast<float>(std::sin(2 * std::numbers::pi * i / 16)), 0, 0));
   Volume v;
-  v.resolution = Vec3i::Constant(16), v.grids = {grid};
+  v.resolution = Vec3i::Constant(16);
+  v.grids = {grid};
   const Lattice l{Vec3i::Constant(37), 0.1};  // 3.7 mm: two periods
   const auto out = sampled(LatticeResidual(v, l, {}), l);
   double inside = 0;
@@ -128,8 +134,11 @@ TEST(LatticeResidual, ParticlesAPeriodApartAreNotAlikeInside) {
   Particles p = test::one_particle(Vec3::Constant(3.2), Vec3::Constant(0.8), 1.0);
   const Particles one = p;
   p.resize(2);
-  p.shape[1] = one.shape[0], p.orientation[1] = one.orientation[0], p.scale[1] = one.scale[0];
-  p.size[1] = one.size[0], p.color[1] = one.color[0];
+  p.shape[1] = one.shape[0];
+  p.orientation[1] = one.orientation[0];
+  p.scale[1] = one.scale[0];
+  p.size[1] = one.size[0];
+  p.color[1] = one.color[0];
   p.position[1] = one.position[0] + Vec3(1.6, 0, 0);
   const Volume v = noise(16, 0.1);
   VoxelReport report;
@@ -155,7 +164,8 @@ TEST(LatticeResidual, ParticlesAPeriodApartAreNotAlikeInside) {
 
 TEST(LatticeResidual, DarkParticlesStayDark) {
   Particles p = test::one_particle(Vec3::Constant(1.6), Vec3::Constant(0.8), 1.2);
-  p.color[0] = Vec3f::Constant(0.02f), p.binder_color = Vec3f::Constant(0.6f);
+  p.color[0] = Vec3f::Constant(0.02f);
+  p.binder_color = Vec3f::Constant(0.6f);
   Volume v = noise(32, 0.05);
   auto scaled = v.find<openvdb::Vec3SGrid>("residual")->deepCopy();
   for (auto it = scaled->beginValueOn(); it; ++it) it.setValue(*it * 0.04f);

@@ -166,7 +166,9 @@ TEST(Voxelize, ColorsMixByCoverage) {
   // Overlapping particles mix their colors and never exceed them.
   Particles two = p;
   two.resize(2);
-  two.position[1] = p.position[0], two.scale[1] = 1.05, two.color[1] = Vec3f(0, 1, 0);
+  two.position[1] = p.position[0];
+  two.scale[1] = 1.05;
+  two.color[1] = Vec3f(0, 1, 0);
   const Made o = make(two, shapes_of(cube_mesh()), {20});
   const auto v = o.value<Vec3SGrid>("Cd", 10, 10, 10);
   EXPECT_NEAR(v[0], 0.4, 1e-5);
@@ -182,7 +184,8 @@ TEST(Voxelize, EqualForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < 60; ++i) {
     Random r(6, 0, i);
     p.position[i] = 4 * Vec3(r.uniform(), r.uniform(), r.uniform());
-    p.orientation[i] = random_turn(r), p.scale[i] = p.size[i] = r.uniform(0.2, 1);
+    p.orientation[i] = random_turn(r);
+    p.scale[i] = p.size[i] = r.uniform(0.2, 1);
   }
   const auto bytes = [&](int threads) {
     const auto run = test::run_node(

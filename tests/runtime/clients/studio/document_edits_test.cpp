@@ -39,7 +39,10 @@ class Text {
     doc = read_document(text, file, found);
     EXPECT_FALSE(has_errors(found)) << file << "\n" << text;
     std::size_t at = 0;
-    for (const auto& line : lines_) starts_.push_back(at), at += line.size();
+    for (const auto& line : lines_) {
+      starts_.push_back(at);
+      at += line.size();
+    }
   }
 
   // Whether `now` differs from the text in the edit's own lines only.
@@ -99,7 +102,8 @@ class Text {
     for (const auto& key : path) {
       const auto it = std::ranges::find_if(map->entries, [&](const auto& e) { return e.first.text == key; });
       if (it == map->entries.end()) return nullptr;
-      out = &*it, map = &it->second;
+      out = &*it;
+      map = &it->second;
     }
     return out;
   }

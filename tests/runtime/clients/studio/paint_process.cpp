@@ -51,7 +51,8 @@ int PaintProcess::connect() const {
   ::setsockopt(s, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof wait);
   ::setsockopt(s, SOL_SOCKET, SO_SNDTIMEO, &wait, sizeof wait);
   struct sockaddr_in to = {};
-  to.sin_family = AF_INET, to.sin_port = htons(static_cast<std::uint16_t>(port_));
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(port_));
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::connect(s, reinterpret_cast<sockaddr*>(&to), sizeof to) != 0)
     throw std::runtime_error("no connection");

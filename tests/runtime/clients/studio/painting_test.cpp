@@ -49,7 +49,10 @@ TEST(Painting, TheGraphGivesTheSamePicture) {
   stroke(p, 6, {{200, 200}});  // misses
   stroke(p, 5, {{-20, 10}, {3, 12}, {20, 90}});
   NibOptions second = nib({2, 2, 40, 2, 40, 60, 2, 60});
-  second.levels = 5, second.extent = 2, second.finish = "levels", second.threshold = 0.125;
+  second.levels = 5;
+  second.extent = 2;
+  second.finish = "levels";
+  second.threshold = 0.125;
   p.choose(second);
   stroke(p, 8, {{60, 40}});
   stroke(p, 3, {{10, 10}, {80, 70}});

@@ -124,12 +124,14 @@ Edit RandomEdits::next(const RawDocument& doc, std::size_t number) {
       if (node.params.empty()) return next(doc, number);
       const auto& [list, written] = pick(node.params);
       if (!written.written.is_list || written.written.items.empty()) return next(doc, number);
-      e.name = list, e.index = below(written.written.items.size());
+      e.name = list;
+      e.index = below(written.written.items.size());
       break;
     }
     case Kind::SetDefault:
       if (doc.parameters.empty()) return next(doc, number);
-      e.name = pick(doc.parameters).declaration.name, e.value = value();
+      e.name = pick(doc.parameters).declaration.name;
+      e.value = value();
       break;
     case Kind::SetSubgraph:
       if (node.graph.empty()) return next(doc, number);
@@ -145,7 +147,8 @@ Edit RandomEdits::next(const RawDocument& doc, std::size_t number) {
       break;
     case Kind::Rewire:
       if (node.inputs.empty()) return next(doc, number);
-      e.name = pick(pick(node.inputs).second).text, e.to = wire(doc);
+      e.name = pick(pick(node.inputs).second).text;
+      e.to = wire(doc);
       e.node = below(2) ? pick(doc.nodes).name : "";
       break;
     case Kind::AddNode:

@@ -204,7 +204,8 @@ TEST_F(Studio, ClientsThatDoNotReadStopNobody) {
     const int s = ::socket(AF_INET, SOCK_STREAM, 0), small = 4096;
     ::setsockopt(s, SOL_SOCKET, SO_RCVBUF, &small, sizeof small);
     sockaddr_in to{};
-    to.sin_family = AF_INET, to.sin_port = htons(static_cast<std::uint16_t>(port));
+    to.sin_family = AF_INET;
+    to.sin_port = htons(static_cast<std::uint16_t>(port));
     to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     ASSERT_EQ(::connect(s, reinterpret_cast<sockaddr*>(&to), sizeof to), 0);
     ASSERT_EQ(::send(s, ask.data(), ask.size(), MSG_NOSIGNAL), static_cast<ssize_t>(ask.size()));

@@ -132,7 +132,8 @@ TEST_F(Unsaved, CopiesHaveThePermissionsOfTheGraph) {
     d.save(true);
     EXPECT_EQ(mode(file), given) << std::oct << given;
     EXPECT_EQ(files(), 2u);
-    d.replace(kText), d.save(true);
+    d.replace(kText);
+    d.save(true);
     d.arrange("");
   }
 }

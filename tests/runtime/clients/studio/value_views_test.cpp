@@ -56,7 +56,8 @@ TEST(StudioViews, PixelsAreThoseOfTheEncoding) {
   for (std::size_t k = 0; k < image.pixels.size(); ++k)
     for (int c = 0; c < 3; ++c, bits += 1187)  // from 0 to 1.1, dense near 0
       image.pixels[k][c] = std::bit_cast<float>(bits);
-  image.pixels[0] = Vec3f(-1, std::nanf(""), 1e30f), image.pixels[1] = Vec3f(1, 0.5f, INFINITY);
+  image.pixels[0] = Vec3f(-1, std::nanf(""), 1e30f);
+  image.pixels[1] = Vec3f(1, 0.5f, INFINITY);
   const std::string bytes = view_of(Value::of(image), "pixels").body.substr(20);
   for (std::size_t k = 0; k < image.pixels.size(); ++k)
     for (int c = 0; c < 3; ++c) {
@@ -70,7 +71,10 @@ TEST(StudioViews, PixelsAreThoseOfTheEncoding) {
 TEST(StudioViews, ProfilesKeepTheirColors) {
   const auto pixels = [](std::vector<std::int32_t> ids, int count) {
     Labels l;
-    l.width = 4, l.height = 2, l.ids = std::move(ids), l.classes.assign(count, 0);
+    l.width = 4;
+    l.height = 2;
+    l.ids = std::move(ids);
+    l.classes.assign(count, 0);
     const std::string body = studio::view_of(Value::of(std::move(l)), "pixels", {}).body;
     std::vector<std::uint32_t> out((body.size() - 20) / 4);
     std::memcpy(out.data(), body.data() + 20, 4 * out.size());
