@@ -1,22 +1,9 @@
 // Commands that leave everything to jobs, on a real Slurm.
-#include <gtest/gtest.h>
-
-#include <csignal>
-#include <fstream>
-#include <future>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
-#include "runtime/files.h"
-#include "tests/support/program.h"
-#include "tests/support/run_node.h"
-#include "tests/support/slurm_cluster.h"
+#include "tests/integration/slurm_fixture.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
-using test::ProgramRun;
 using test::run_program;
 using test::wait_until;
 
@@ -39,14 +26,31 @@ nodes:
   pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: shape.shapes}, params: {count: 100}}
 )";
 
-class SlurmDetached : public ::testing::Test {
+class SlurmDetached : public test::SlurmTest {
  protected:
-  void SetUp() override {
-    cluster = std::make_unique<test::SlurmCluster>(folder / "slurm");
-    if (!cluster->trouble().empty()) GTEST_SKIP() << cluster->trouble();
+  void write_inputs() override {
     std::ofstream(folder / "rounds.yaml") << rounds_text;
     std::ofstream(folder / "points.yaml") << points_text;
   }
+  bool under_way() override {
+    return wait_until(60, [&] { return status().at("points").at("done") >= 2; });
+  }
+  // Every point has the content that it has without Slurm.
+  void expect_results() override {
+    ASSERT_TRUE(fs::exists(folder / "out/sweep.csv"));
+    const auto local = run_program({"sweep", (folder / "points.yaml").string(), "--vary", "pack.seed=1:24:1",
+                                    "--out", (folder / "local").string(), "--cache",
+                                    (folder / "local_cache").string(), "--jobs", "2", "--quiet"});
+    ASSERT_EQ(local.exit_code, 0) << local.err;
+    for (int i = 1; i <= 24; ++i) {
+      const json expected = json::parse(*read_file(report_of(folder / "local", i)));
+      const json found = json::parse(read_file(report_of(folder / "out", i)).value_or("{\"nodes\": []}"));
+      ASSERT_EQ(found.at("nodes").size(), expected.at("nodes").size()) << i;
+      for (std::size_t k = 0; k < expected.at("nodes").size(); ++k)
+        EXPECT_EQ(found.at("nodes")[k].at("outputs"), expected.at("nodes")[k].at("outputs")) << i;
+    }
+  }
+
   ProgramRun command(std::vector<std::string> arguments, const std::vector<std::string>& more) {
     const std::vector<std::string> common = {"--out",        (folder / "out").string(),
                                              "--cache",      (folder / "cache").string(),
@@ -55,19 +59,13 @@ class SlurmDetached : public ::testing::Test {
                                              "--chunk-size", "1"};
     arguments.insert(arguments.end(), common.begin(), common.end());
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_program(arguments, {.environment = cluster->environment()});
+    return run_on_cluster(arguments);
   }
   ProgramRun run(const std::vector<std::string>& more = {}) {
     return command({"run", (folder / "rounds.yaml").string()}, more);
   }
   ProgramRun sweep(const std::vector<std::string>& more = {}) {
     return command({"sweep", (folder / "points.yaml").string(), "--vary", "pack.seed=1:24:1"}, more);
-  }
-  json status() {
-    const auto shown =
-        run_program({"status", (folder / "out").string(), "--json"}, {.environment = cluster->environment()});
-    EXPECT_EQ(shown.exit_code, 0) << shown.err;
-    return json::parse(shown.out);
   }
   std::string log(const std::string& role) {
     return read_file(folder / "out/jobs" / (role + ".txt")).value_or("");
@@ -85,25 +83,6 @@ class SlurmDetached : public ::testing::Test {
                [&] { return (found = job("coordinator")).is_object() && found.at("state") == "RUNNING"; });
     return found.is_object() ? found.at("task").get<std::string>() : "";
   }
-  bool under_way() {
-    return wait_until(60, [&] { return status().at("points").at("done") >= 2; });
-  }
-  // Every point has the content that it has without Slurm.
-  void expect_all_points() {
-    ASSERT_TRUE(fs::exists(folder / "out/sweep.csv"));
-    const auto local = run_program({"sweep", (folder / "points.yaml").string(), "--vary", "pack.seed=1:24:1",
-                                    "--out", (folder / "local").string(), "--cache",
-                                    (folder / "local_cache").string(), "--jobs", "2", "--quiet"});
-    ASSERT_EQ(local.exit_code, 0) << local.err;
-    for (int i = 1; i <= 24; ++i) {
-      const std::string point = (i < 10 ? "point-00" : "point-0") + std::to_string(i) + "/report.json";
-      const json expected = json::parse(*read_file(folder / "local" / point));
-      const json found = json::parse(read_file(folder / "out" / point).value_or("{\"nodes\": []}"));
-      ASSERT_EQ(found.at("nodes").size(), expected.at("nodes").size()) << point;
-      for (std::size_t k = 0; k < expected.at("nodes").size(); ++k)
-        EXPECT_EQ(found.at("nodes")[k].at("outputs"), expected.at("nodes")[k].at("outputs")) << point;
-    }
-  }
   static bool handles_interrupts(pid_t process) {
     std::ifstream in("/proc/" + std::to_string(process) + "/status");
     for (std::string line; std::getline(in, line);)
@@ -113,8 +92,6 @@ class SlurmDetached : public ::testing::Test {
   bool nothing_is_queued() {
     return wait_until(120, [&] { return cluster->queue().empty(); });
   }
-  fs::path folder = test::temporary_folder();
-  std::unique_ptr<test::SlurmCluster> cluster;
 };
 
 TEST_F(SlurmDetached, ARunGoesThroughAllRoundsAndTheRest) {
@@ -141,11 +118,10 @@ TEST_F(SlurmDetached, ARunGoesThroughAllRoundsAndTheRest) {
 TEST_F(SlurmDetached, ACommandWaitsForTheJobThatStandsForIt) {
   ASSERT_EQ(sweep({"--detach"}).exit_code, 0);
   const auto waited = sweep();
-  EXPECT_EQ(waited.exit_code, 0) << waited.err;
   EXPECT_NE(waited.err.find("note: job 1 coordinates"), std::string::npos) << waited.err;
   EXPECT_NE(log("coordinator").find("[24/24]"), std::string::npos) << log("coordinator");
   EXPECT_EQ(waited.err.find("submitting"), std::string::npos) << waited.err;
-  expect_all_points();
+  expect_completed(waited);
 }
 
 TEST_F(SlurmDetached, ACoordinatorWhoseNodeDiesIsStartedAgain) {
@@ -158,11 +134,8 @@ TEST_F(SlurmDetached, ACoordinatorWhoseNodeDiesIsStartedAgain) {
     cluster->start_again();
     return fs::exists(folder / "out/sweep.csv");
   })) << log("coordinator");
-  std::istringstream events(read_file(folder / "out/jobs/coordinator.jsonl").value_or(""));
-  int starts = 0;
-  for (std::string line; std::getline(events, line);) starts += json::parse(line).at("event") == "started";
-  EXPECT_EQ(starts, 2);
-  expect_all_points();
+  EXPECT_EQ(count_events(folder / "out/jobs/coordinator.jsonl", "started"), 2);
+  expect_results();
 }
 
 TEST_F(SlurmDetached, BeforeItsTimeLimitACoordinatorHandsOver) {
@@ -175,7 +148,7 @@ TEST_F(SlurmDetached, BeforeItsTimeLimitACoordinatorHandsOver) {
   EXPECT_NE(log("coordinator").find("coordinates;"), std::string::npos)
       << "no other took over: " << log("coordinator");
   EXPECT_EQ(log("coordinator").find("canceled"), std::string::npos) << log("coordinator");
-  expect_all_points();
+  expect_results();
 }
 
 TEST_F(SlurmDetached, CancelingTheCoordinatorCancelsTheSweep) {
@@ -188,12 +161,9 @@ TEST_F(SlurmDetached, CancelingTheCoordinatorCancelsTheSweep) {
   EXPECT_NE(stopped.err.find("was canceled from outside"), std::string::npos) << stopped.err;
   ASSERT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); })) << "its tasks go on";
   EXPECT_LT(status().at("points").at("done"), 24);
-  const auto shown =
-      run_program({"status", (folder / "out").string()}, {.environment = cluster->environment()});
+  const auto shown = run_on_cluster({"status", (folder / "out").string()});
   EXPECT_NE(shown.out.find("nothing is queued; the same command resumes"), std::string::npos) << shown.out;
-  const auto done = sweep();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_all_points();
+  expect_completed(sweep());
 }
 
 TEST_F(SlurmDetached, AnInterruptWhileWaitingCancelsAll) {
@@ -203,16 +173,14 @@ TEST_F(SlurmDetached, AnInterruptWhileWaitingCancelsAll) {
   const std::string name = "terrazzo sweep .*--out " + (folder / "out").string() + " .*--chunk-size 1$";
   pid_t command = 0;
   ASSERT_TRUE(wait_until(60, [&] {
-    command = std::atoi(test::run_command({"pgrep", "-f", name}).out.c_str());
+    command = process_of(name);
     return command > 0 && handles_interrupts(command);
   }));
   ::kill(command, SIGINT);
   const auto stopped = waiting.get();
   EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
   EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
-  const auto done = sweep();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_all_points();
+  expect_completed(sweep());
 }
 
 TEST_F(SlurmDetached, AChangedGraphIsRefused) {

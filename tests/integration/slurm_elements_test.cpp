@@ -1,22 +1,11 @@
 // Elements of repeated nodes on a real Slurm.
-#include <gtest/gtest.h>
+#include <map>
 
-#include <csignal>
-#include <fstream>
-#include <future>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
-#include "runtime/files.h"
-#include "tests/support/program.h"
-#include "tests/support/run_node.h"
-#include "tests/support/slurm_cluster.h"
+#include "tests/integration/slurm_fixture.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
-using test::ProgramRun;
 using test::run_program;
 using test::wait_until;
 
@@ -34,49 +23,14 @@ nodes:
           params: {size: 48, exemplar_size: 48, levels: 2, iterations: 1, method: blockwise}}
 )";
 
-class SlurmElements : public ::testing::Test {
+class SlurmElements : public test::SlurmTest {
  protected:
-  void SetUp() override {
-    cluster = std::make_unique<test::SlurmCluster>(folder / "slurm");
-    if (!cluster->trouble().empty()) GTEST_SKIP() << cluster->trouble();
-    std::ofstream(folder / "solid.yaml") << solid_text;
-  }
-  ProgramRun run(const std::string& graph, std::vector<std::string> more = {}) {
-    std::vector<std::string> arguments = {"run",          (folder / graph).string(),
-                                          "--out",        (folder / "out").string(),
-                                          "--report",     (folder / "report.json").string(),
-                                          "--cache",      (folder / "cache").string(),
-                                          "--executor",   "slurm",
-                                          "--poll",       "0.3",
-                                          "--chunk-size", "2"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_program(arguments, {.environment = cluster->environment()});
-  }
-  std::future<ProgramRun> start(std::vector<std::string> more = {}) {
-    return std::async(std::launch::async, [this, more] { return run("solid.yaml", more); });
-  }
-  std::size_t reports(const std::string& round = "elements-1") {
-    std::size_t n = 0;
-    for (int i = 1; i <= 8; ++i)
-      n += fs::exists(folder / "out" / round / ("point-00" + std::to_string(i)) / "report.json");
-    return n;
-  }
-  // How often the job for what all elements share has finished.
-  int shared_jobs() {
-    std::istringstream log(read_file(folder / "out/elements-1/jobs/shared.jsonl").value_or(""));
-    int n = 0;
-    for (std::string line; std::getline(log, line);) n += json::parse(line).at("event") == "finished";
-    return n;
-  }
-  // The nodes of the last run's report by name.
-  std::map<std::string, json> nodes() {
-    std::map<std::string, json> out;
-    const json report = json::parse(*read_file(folder / "report.json"));
-    for (const auto& node : report.at("nodes")) out[node.at("name")] = node;
-    return out;
+  void write_inputs() override { std::ofstream(folder / "solid.yaml") << solid_text; }
+  bool under_way() override {
+    return wait_until(60, [&] { return reports() >= 1 && reports() < 7 && !cluster->tasks().empty(); });
   }
   // The run took every block from the cache, and joined them to the solid that is made at once.
-  void expect_the_whole_solid() {
+  void expect_results() override {
     const auto all = nodes();
     for (int k = 0; k < 8; ++k) {
       EXPECT_NE(all.at("block[" + std::to_string(k) + "]").at("status"), "computed") << k;
@@ -87,8 +41,31 @@ class SlurmElements : public ::testing::Test {
     const std::string list = read_file(folder / "out/solid.csv").value_or("");
     EXPECT_NE(list.find("7,solid_7.vdb,24,24,24,24,24,24"), std::string::npos) << list;
   }
-  fs::path folder = test::temporary_folder();
-  std::unique_ptr<test::SlurmCluster> cluster;
+
+  ProgramRun run(const std::string& graph, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"run",          (folder / graph).string(),
+                                          "--out",        (folder / "out").string(),
+                                          "--report",     (folder / "report.json").string(),
+                                          "--cache",      (folder / "cache").string(),
+                                          "--executor",   "slurm",
+                                          "--poll",       "0.3",
+                                          "--chunk-size", "2"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_on_cluster(arguments);
+  }
+  std::future<ProgramRun> start(std::vector<std::string> more = {}) {
+    return std::async(std::launch::async, [this, more] { return run("solid.yaml", more); });
+  }
+  std::size_t reports() { return count_reports(folder / "out/elements-1", 8); }
+  // How often the job for what all elements share has finished.
+  int shared_jobs() { return count_events(folder / "out/elements-1/jobs/shared.jsonl", "finished"); }
+  // The nodes of the last run's report by name.
+  std::map<std::string, json> nodes() {
+    std::map<std::string, json> out;
+    const json report = json::parse(*read_file(folder / "report.json"));
+    for (const auto& node : report.at("nodes")) out[node.at("name")] = node;
+    return out;
+  }
 };
 
 TEST_F(SlurmElements, AreTasksOfOneRun) {
@@ -97,7 +74,7 @@ TEST_F(SlurmElements, AreTasksOfOneRun) {
   EXPECT_NE(done.out.find("round 1 of 1: 8 elements"), std::string::npos) << done.out;
   EXPECT_NE(done.out.find("[8/8] block["), std::string::npos) << done.out;
   EXPECT_EQ(reports(), 8u);
-  expect_the_whole_solid();
+  expect_results();
   // Computed once, before the blocks.
   EXPECT_NE(nodes().at("base").at("status"), "computed");
   const auto status = run_program({"status", (folder / "out").string()});
@@ -115,18 +92,10 @@ TEST_F(SlurmElements, AreTasksOfOneRun) {
   EXPECT_EQ(lost.exit_code, 0) << lost.err;
   EXPECT_GT(fs::last_write_time(folder / "out/elements-1/point-001/report.json"), before);
   EXPECT_EQ(shared_jobs(), 2);
-  expect_the_whole_solid();
+  expect_results();
 }
 
-TEST_F(SlurmElements, SurviveAKilledTask) {
-  auto command = start();
-  ASSERT_TRUE(wait_until(60, [&] { return reports() >= 1 && reports() < 7 && !cluster->tasks().empty(); }));
-  ::kill(cluster->tasks().front(), SIGKILL);
-  const auto done = command.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_NE(done.err.find("; submitting it again"), std::string::npos) << done.err;
-  expect_the_whole_solid();
-}
+TEST_F(SlurmElements, SurviveAKilledTask) { expect_a_killed_task_runs_again(start()); }
 
 // Also the blocks that were finished before are computed again, and not by the command itself.
 TEST_F(SlurmElements, SurviveAVanishedCache) {
@@ -134,22 +103,19 @@ TEST_F(SlurmElements, SurviveAVanishedCache) {
   ASSERT_TRUE(wait_until(60, [&] { return reports() >= 3 && reports() < 7; }));
   fs::rename(folder / "cache", folder / "gone");
   const auto done = command.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.err.find("the cache has lost the results of"), std::string::npos) << done.err;
-  expect_the_whole_solid();
+  expect_completed(done);
 }
 
 TEST_F(SlurmElements, CanceledFromOutsideTheSameCommandCompletesThem) {
   auto command = start();
-  ASSERT_TRUE(wait_until(60, [&] { return reports() >= 1 && reports() < 7 && !cluster->tasks().empty(); }));
+  ASSERT_TRUE(under_way());
   cluster->command({"scancel", "--me"});
   const auto stopped = command.get();
   EXPECT_EQ(stopped.exit_code, 1) << stopped.err;
   EXPECT_NE(stopped.err.find("the rest of the graph was not run"), std::string::npos) << stopped.err;
   EXPECT_FALSE(fs::exists(folder / "out/solid.csv"));
-  const auto done = run("solid.yaml");
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_the_whole_solid();
+  expect_completed(run("solid.yaml"));
 }
 
 // Stones are joined to one population, and packings of it are elements of the second round.

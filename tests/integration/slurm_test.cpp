@@ -1,24 +1,14 @@
 // Sweeps on a real Slurm: a controller and three nodes on this machine. Every fault must leave the results as
 // they are without it.
-#include <gtest/gtest.h>
+#include <map>
 
-#include <csignal>
-#include <fstream>
-#include <future>
-#include <nlohmann/json.hpp>
-#include <sstream>
-
-#include "runtime/files.h"
 #include "runtime/hash.h"
-#include "tests/support/program.h"
-#include "tests/support/run_node.h"
-#include "tests/support/slurm_cluster.h"
+#include "tests/integration/slurm_fixture.h"
+#include "tests/support/report_contents.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
-using test::ProgramRun;
 using test::run_program;
 using test::wait_until;
 
@@ -33,13 +23,26 @@ nodes:
   grids: {type: Export, inputs: {volume: voxels.volume}, params: {path: grids.vdb}}
 )";
 
-class Slurm : public ::testing::Test {
+class Slurm : public test::SlurmTest {
  protected:
-  void SetUp() override {
-    cluster = std::make_unique<test::SlurmCluster>(folder / "slurm");
-    if (!cluster->trouble().empty()) GTEST_SKIP() << cluster->trouble();
+  void write_inputs() override {
     std::ofstream(folder / "graph.yaml") << graph_text;
     fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
+  }
+  bool under_way() override {
+    return wait_until(60, [&] { return reports() >= 1 && reports() < 20 && !cluster->tasks().empty(); });
+  }
+  // The results without Slurm come from a cache that the processes of all these tests share.
+  void expect_results() override {
+    const auto local = sweep("local", local_cache().string(), {"--jobs", "2", "--quiet"});
+    EXPECT_EQ(local.exit_code, 0) << local.err;
+    const auto expected = contents("local");
+    EXPECT_EQ(expected.size(), 24u * 12) << "every output of every point";
+    EXPECT_EQ(contents("out"), expected);
+    EXPECT_EQ(table("out"), table("local"));
+    const auto verified =
+        run_program({"cache", "verify", "--sample", "20", "--cache", (folder / "cache").string()});
+    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   }
 
   // A sweep of 24 points, with more arguments. `out`, `cache`: below the test's folder, or absolute.
@@ -49,7 +52,7 @@ class Slurm : public ::testing::Test {
         "--vary",  "voxels.resolution=16,20",        "--out",  (folder / out).string(),
         "--cache", (folder / cache).string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
-    return run_program(arguments, {.environment = cluster->environment()});
+    return run_on_cluster(arguments);
   }
   ProgramRun on_slurm(std::vector<std::string> more = {}, const char* chunk_size = "3") {
     more.insert(more.begin(), {"--executor", "slurm", "--poll", "0.3", "--chunk-size", chunk_size});
@@ -76,29 +79,13 @@ class Slurm : public ::testing::Test {
   std::map<std::string, std::string> contents(const std::string& out) {
     std::map<std::string, std::string> found;
     for (int i = 1; i <= 24; ++i) {
-      const std::string point = fmt_point(i);
-      const auto text = read_file(folder / out / point / "report.json");
-      if (!text) continue;
-      const json report = json::parse(*text);
-      for (const auto& node : report.at("nodes"))
-        for (const auto& [port, o] : node.at("outputs").items())
-          found[point + "." + node.at("name").get<std::string>() + "." + port] = o.at("content");
-      EXPECT_TRUE(fs::exists(folder / out / point / "grids.vdb")) << point;
+      const fs::path report = report_of(folder / out, i), point = report.parent_path();
+      if (!fs::exists(report)) continue;
+      for (const auto& [output, content] : test::report_contents(report))
+        found[point.filename().string() + "." + output] = content;
+      EXPECT_TRUE(fs::exists(point / "grids.vdb")) << point;
     }
     return found;
-  }
-  static std::string fmt_point(int i) { return (i < 10 ? "point-00" : "point-0") + std::to_string(i); }
-  // The results without Slurm, from a cache that the processes of all these tests share.
-  void expect_local_contents() {
-    const auto local = sweep("local", local_cache().string(), {"--jobs", "2", "--quiet"});
-    EXPECT_EQ(local.exit_code, 0) << local.err;
-    const auto expected = contents("local");
-    EXPECT_EQ(expected.size(), 24u * 12) << "every output of every point";
-    EXPECT_EQ(contents("out"), expected);
-    EXPECT_EQ(table("out"), table("local"));
-    const auto verified =
-        run_program({"cache", "verify", "--sample", "20", "--cache", (folder / "cache").string()});
-    EXPECT_EQ(verified.exit_code, 0) << verified.out << verified.err;
   }
   // sweep.csv without the seconds.
   std::string table(const std::string& out) {
@@ -115,34 +102,14 @@ class Slurm : public ::testing::Test {
     }
     return text;
   }
-  json status() {
-    const auto run =
-        run_program({"status", (folder / "out").string(), "--json"}, {.environment = cluster->environment()});
-    EXPECT_EQ(run.exit_code, 0) << run.err;
-    return json::parse(run.out);
-  }
-  std::size_t reports() {
-    std::size_t n = 0;
-    for (int i = 1; i <= 24; ++i) n += fs::exists(folder / "out" / fmt_point(i) / "report.json");
-    return n;
-  }
-  // Waits until the points are being computed: a task runs, and at least one point is finished.
-  bool under_way() {
-    return wait_until(60, [&] { return reports() >= 1 && reports() < 20 && !cluster->tasks().empty(); });
-  }
+  std::size_t reports() { return count_reports(folder / "out", 24); }
   unsigned long newest_job() {
     unsigned long newest = 0;
     std::istringstream lines(cluster->command({"squeue", "-h", "-t", "all", "-o", "%F"}).out);
     for (std::string line; std::getline(lines, line);) newest = std::max(newest, std::stoul(line));
     return newest;
   }
-  pid_t coordinator() {
-    const auto found = test::run_command({"pgrep", "-f", "sweep .*--out " + (folder / "out").string() + " "});
-    return std::atoi(found.out.c_str());
-  }
-
-  fs::path folder = test::temporary_folder();
-  std::unique_ptr<test::SlurmCluster> cluster;
+  pid_t coordinator() { return process_of("sweep .*--out " + (folder / "out").string() + " "); }
 };
 
 TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
@@ -156,7 +123,7 @@ TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
   const auto done = run.get();
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.out.find("[24/24] "), std::string::npos) << done.out;
-  expect_local_contents();
+  expect_results();
   const json end = status();
   EXPECT_EQ(end.at("points").at("done"), 24);
   EXPECT_EQ(end.at("failures"), json::array());
@@ -165,7 +132,7 @@ TEST_F(Slurm, GivesTheResultsOfALocalRunAndStatusTellsAboutThem) {
   EXPECT_EQ(log.out.find("=== point-005 started\n=== point-005 done"), 0u) << log.out << log.err;
   // Computed once, before the points.
   for (int i = 1; i <= 24; ++i) {
-    const json report = json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json"));
+    const json report = json::parse(*read_file(report_of(folder / "out", i)));
     EXPECT_EQ(report.at("nodes").size(), 7u);
     for (const auto& node : report.at("nodes")) {
       const std::string name = node.at("name");
@@ -196,10 +163,9 @@ nodes:
           params: {size: 32, exemplar_size: 48, levels: 2, iterations: 1, method: blockwise}}
 )";
   const std::string cache = (folder / "cache").string();
-  const auto swept = run_program(
-      {"sweep", graph, "--vary", "wanted=0:7:1", "--target", "block", "--out", (folder / "out").string(),
-       "--cache", cache, "--executor", "slurm", "--poll", "0.3", "--chunk-size", "3"},
-      {.environment = cluster->environment()});
+  const auto swept = run_on_cluster({"sweep", graph, "--vary", "wanted=0:7:1", "--target", "block", "--out",
+                                     (folder / "out").string(), "--cache", cache, "--executor", "slurm",
+                                     "--poll", "0.3", "--chunk-size", "3"});
   ASSERT_EQ(swept.exit_code, 0) << swept.err << swept.out;
   const auto run = run_program({"run", graph, "--out", (folder / "joined").string(), "--report",
                                 (folder / "joined.json").string(), "--cache", cache, "--quiet"});
@@ -218,27 +184,12 @@ nodes:
   EXPECT_EQ(volumes.at("joined"), volumes.at("whole"));
 }
 
-TEST_F(Slurm, AKilledTaskRunsAgain) {
-  auto run = start();
-  ASSERT_TRUE(under_way());
-  ::kill(cluster->tasks().front(), SIGKILL);
-  const auto done = run.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_NE(done.err.find("; submitting it again"), std::string::npos) << done.err;
-  expect_local_contents();
-}
+TEST_F(Slurm, AKilledTaskRunsAgain) { expect_a_killed_task_runs_again(start()); }
 
 TEST_F(Slurm, ADeadNodeIsReplaced) {
   auto run = start();
   ASSERT_TRUE(wait_until(60, [&] { return reports() >= 1 && !cluster->tasks("n1").empty(); }));
-  cluster->kill_node("n1");
-  ASSERT_TRUE(wait_until(300, [&] {
-    cluster->start_again();
-    return run.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  }));
-  const auto done = run.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_a_dead_node_is_replaced(std::move(run));
 }
 
 TEST_F(Slurm, ATaskBeyondItsTimeLimitRunsAgain) {
@@ -248,10 +199,9 @@ TEST_F(Slurm, ATaskBeyondItsTimeLimitRunsAgain) {
   const pid_t task = cluster->tasks().front();
   ::kill(task, SIGSTOP);
   const auto done = run.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.err.find("ended (TIMEOUT)"), std::string::npos) << done.err;
   EXPECT_NE(done.err.find("raise the limit with --slurm '--time=…'"), std::string::npos) << done.err;
-  expect_local_contents();
+  expect_completed(done);
 }
 
 TEST_F(Slurm, CanceledFromOutsideItStopsAndTheSameCommandCompletesIt) {
@@ -266,9 +216,7 @@ TEST_F(Slurm, CanceledFromOutsideItStopsAndTheSameCommandCompletesIt) {
   EXPECT_NE(stopped.err.find("was canceled from outside"), std::string::npos) << stopped.err;
   const auto before = reports();
   EXPECT_LT(before, 24u);
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 // Slurm deletes a single task that is canceled while it waits.
@@ -282,21 +230,10 @@ TEST_F(Slurm, AWaitingTaskThatIsCanceledStaysCanceled) {
   EXPECT_NE(stopped.err.find("chunk 11 of 12 was canceled from outside"), std::string::npos) << stopped.err;
   EXPECT_EQ(newest_job(), newest) << "the canceled task was submitted again";
   EXPECT_EQ(reports(), 22u);
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
-TEST_F(Slurm, TheControllerMayRestart) {
-  auto run = start();
-  ASSERT_TRUE(under_way());
-  cluster->kill_controller();
-  std::this_thread::sleep_for(std::chrono::seconds(2));
-  cluster->start_controller();
-  const auto done = run.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
-}
+TEST_F(Slurm, TheControllerMayRestart) { expect_the_controller_may_restart(start()); }
 
 TEST_F(Slurm, AKilledCoordinatorFindsItsJobsAgain) {
   auto run = start();
@@ -306,10 +243,9 @@ TEST_F(Slurm, AKilledCoordinatorFindsItsJobsAgain) {
   EXPECT_EQ(run.get().exit_code, 128 + SIGKILL);
   const auto before = newest_job();
   const auto done = on_slurm({}, "7");  // the queued jobs decide
-  EXPECT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.err.find("already queued"), std::string::npos) << done.err;
   EXPECT_EQ(newest_job(), before) << "a job was submitted again";
-  expect_local_contents();
+  expect_completed(done);
 }
 
 TEST_F(Slurm, AnInterruptCancelsTheJobsAndTheSameCommandResumes) {
@@ -318,36 +254,17 @@ TEST_F(Slurm, AnInterruptCancelsTheJobsAndTheSameCommandResumes) {
   ::kill(coordinator(), SIGINT);
   EXPECT_EQ(run.get().exit_code, 130);
   EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 TEST_F(Slurm, AWorkerOfAnotherVersionIsRefused) {
-  // Stands for a node where another version is installed: it sees the sweep as planned by another version.
-  std::ofstream(folder / "old.sh") << "#!/bin/bash\n"
-                                   << "mkdir -p " << folder / "out/old"
-                                   << "\n"
-                                   << "ln -sfn ../jobs " << folder / "out/old/jobs"
-                                   << "\n"
-                                   << "sed 's/\"program\": .*/\"program\": \"0.0.1\",/' "
-                                   << folder / "out/sweep.json"
-                                   << " >" << folder / "out/old/sweep.json"
-                                   << "\n"
-                                   << "exec " << test::build_folder() / "terrazzo"
-                                   << " sweep-worker " << folder / "out/old/sweep.json"
-                                   << " \"${@:3}\"\n";
-  fs::permissions(folder / "old.sh", fs::perms(0755));
-  std::ofstream(folder / "profile") << "#SBATCH --comment=profile\nTERRAZZO=" << folder / "old.sh"
-                                    << "\n";
-  const auto refused = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  const fs::path old = write_old_program(folder / "out");
+  const auto refused = on_slurm(with_profile("#SBATCH --comment=profile\nTERRAZZO=" + old.string() + "\n"));
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_NE(refused.err.find("but the sweep was planned with 0.0.1"), std::string::npos) << refused.err;
   EXPECT_EQ(reports(), 0u);
   EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 TEST_F(Slurm, AChangedInputFileIsReported) {
@@ -361,9 +278,7 @@ TEST_F(Slurm, AChangedInputFileIsReported) {
       << refused.err;
   EXPECT_TRUE(wait_until(20, [&] { return cluster->queue().empty(); }));
   fs::rename(folder / "kept.png", folder / "photo.png");
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 TEST_F(Slurm, AVanishedCacheCostsTimeOnly) {
@@ -371,40 +286,27 @@ TEST_F(Slurm, AVanishedCacheCostsTimeOnly) {
   ASSERT_TRUE(under_way());
   fs::rename(folder / "cache", folder / "gone");
   const auto done = run.get();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
   // What all points share is computed again once, and not by each worker.
   EXPECT_NE(done.err.find("has lost what all points share"), std::string::npos) << done.err;
-  std::istringstream log(read_file(folder / "out/jobs/shared.jsonl").value_or(""));
-  int times = 0;
-  for (std::string line; std::getline(log, line);) times += json::parse(line).at("event") == "finished";
-  EXPECT_EQ(times, 2);
+  EXPECT_EQ(count_events(folder / "out/jobs/shared.jsonl", "finished"), 2);
   for (int i = 1; i <= 24; ++i)
-    for (const auto& node :
-         json::parse(*read_file(folder / "out" / fmt_point(i) / "report.json")).at("nodes"))
+    for (const auto& node : json::parse(*read_file(report_of(folder / "out", i))).at("nodes"))
       EXPECT_FALSE(node.at("name") == "shape" && node.at("status") == "computed") << i;
-  expect_local_contents();
+  expect_completed(done);
 }
 
 TEST_F(Slurm, AFullDiskOnANodeMovesItsWorkToOthers) {
-  // On n1, no file may grow, as on a full disk.
-  std::ofstream(folder / "profile") << "if [ $SLURMD_NODENAME = n1 ]; then trap '' XFSZ; ulimit -f 0; fi\n";
-  const auto done = on_slurm({"--slurm-profile", (folder / "profile").string()});
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_NE(done.err.find("on n1 ended"), std::string::npos) << done.err;
-  expect_local_contents();
+  expect_work_moves_from_a_full_disk(on_slurm(with_full_disk()));
 }
 
 TEST_F(Slurm, AChunkThatNeverSucceedsIsGivenUp) {
-  std::ofstream(folder / "profile") << "[ \"$SLURM_ARRAY_TASK_ID\" = 2 ] && exit 7\n";
-  const auto given_up = on_slurm({"--slurm-profile", (folder / "profile").string()});
+  const auto given_up = on_slurm(with_profile("[ \"$SLURM_ARRAY_TASK_ID\" = 2 ] && exit 7\n"));
   EXPECT_EQ(given_up.exit_code, 1);
   EXPECT_NE(given_up.err.find("error: chunk 2 of 8"), std::string::npos) << given_up.err;
   EXPECT_NE(given_up.err.find("(3 times in a row)"), std::string::npos) << given_up.err;
   EXPECT_NE(given_up.err.find("3 of 24 points have no result"), std::string::npos) << given_up.err;
   EXPECT_EQ(reports(), 21u);
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 TEST_F(Slurm, AFailingPointIsReportedAndRunsAgain) {
@@ -414,9 +316,7 @@ TEST_F(Slurm, AFailingPointIsReportedAndRunsAgain) {
   EXPECT_EQ(failed.exit_code, 1);
   EXPECT_NE(failed.err.find("what all points share failed"), std::string::npos) << failed.err;
   fs::copy_file(test::source_folder() / "graphs/samples/section.png", folder / "photo.png");
-  const auto done = on_slurm();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  expect_local_contents();
+  expect_completed(on_slurm());
 }
 
 }  // namespace
