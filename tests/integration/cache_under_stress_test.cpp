@@ -14,6 +14,7 @@
 #include "tests/support/all_nodes.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/program.h"
+#include "tests/support/report_contents.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -42,14 +43,7 @@ nodes:
   }
   // Content hash of every output, by node and port.
   std::map<std::string, std::string> contents(const std::string& out) {
-    std::map<std::string, std::string> found;
-    const auto text = read_file(folder / out / "report.json");
-    if (!text) return found;
-    const json report = json::parse(*text);
-    for (const auto& node : report.at("nodes"))
-      for (const auto& [port, o] : node.at("outputs").items())
-        found[node.at("name").get<std::string>() + "." + port] = o.at("content");
-    return found;
+    return test::report_contents(folder / out / "report.json");
   }
   std::vector<fs::path> entries(const fs::path& cache) {
     std::vector<fs::path> out;
@@ -142,26 +136,14 @@ TEST_F(CacheUnderStress, FourProcessesOnOneFolder) {
 
 // Both processes have the same process id, as in two containers that share a disk.
 TEST_F(CacheUnderStress, TwoPidNamespacesOnOneFolder) {
-  const std::vector<std::string> unshare = {"unshare", "--pid", "--fork"};
-  auto probe = unshare;
-  probe.insert(probe.end(), {"sh", "-c", "test $$ -lt 10"});
-  if (test::run_command(probe).exit_code != 0) GTEST_SKIP() << "this system cannot create pid namespaces";
+  if (!test::has_pid_namespaces()) GTEST_SKIP() << "this system cannot create pid namespaces";
   ASSERT_EQ(run_program(arguments(folder / "clean", "clean_out")).exit_code, 0);
   const auto clean = contents("clean_out");
   const fs::path cache = folder / "cache";
   for (int round = 0; round < 3; ++round) {
     fs::remove_all(cache);
     fs::remove_all(folder / "out");
-    test::ProgramRun runs[2];
-    std::thread processes[2];
-    for (int i = 0; i < 2; ++i)
-      processes[i] = std::thread([&, i] {
-        auto command = unshare;
-        command.push_back((test::build_folder() / "terrazzo").string());
-        for (const auto& a : arguments(cache, "out")) command.push_back(a);
-        runs[i] = test::run_command(command);
-      });
-    for (auto& p : processes) p.join();
+    const auto runs = test::run_twice_with_one_process_id(arguments(cache, "out"));
     for (const auto& r : runs) EXPECT_EQ(r.exit_code, 0) << r.err;
     EXPECT_EQ(contents("out"), clean);
     const auto verified = run_program({"cache", "verify", "--sample", "100", "--cache", cache.string()});

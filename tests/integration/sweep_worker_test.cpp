@@ -3,7 +3,6 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "runtime/cache/cache_folder.h"
 #include "runtime/files.h"
@@ -207,22 +206,10 @@ TEST_F(SweepWorker, BadCommandLinesAreExplained) {
 
 // Two processes with the same process id compute the same points at the same time, as on two hosts.
 TEST_F(SweepWorker, TwoHostsOnOneChunkAgreeAndCountWhatBothComputed) {
-  const std::vector<std::string> unshare = {"unshare", "--pid", "--fork"};
-  auto probe = unshare;
-  probe.insert(probe.end(), {"sh", "-c", "test $$ -lt 10"});
-  if (test::run_command(probe).exit_code != 0) GTEST_SKIP() << "this system cannot create pid namespaces";
+  if (!test::has_pid_namespaces()) GTEST_SKIP() << "this system cannot create pid namespaces";
   ASSERT_EQ(sweep("local", {}).exit_code, 0);
   ASSERT_EQ(sweep("out", {"--plan"}).exit_code, 0);
-  test::ProgramRun runs[2];
-  std::thread processes[2];
-  for (int i = 0; i < 2; ++i)
-    processes[i] = std::thread([&, i] {
-      auto command = unshare;
-      command.push_back((test::build_folder() / "terrazzo").string());
-      for (const auto& a : worker_arguments({"--chunk", "0/1"})) command.push_back(a);
-      runs[i] = test::run_command(command);
-    });
-  for (auto& p : processes) p.join();
+  const auto runs = test::run_twice_with_one_process_id(worker_arguments({"--chunk", "0/1"}));
   for (const auto& r : runs) EXPECT_EQ(r.exit_code, 0) << r.err;
   EXPECT_EQ(contents("out"), contents("local"));
   std::size_t computed = 0, twice = 0, records = 0;

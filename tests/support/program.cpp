@@ -76,6 +76,20 @@ ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramO
   return run_command(command, options);
 }
 
+bool has_pid_namespaces() {
+  return run_command({"unshare", "--pid", "--fork", "sh", "-c", "test $$ -lt 10"}).exit_code == 0;
+}
+
+std::array<ProgramRun, 2> run_twice_with_one_process_id(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = {"unshare", "--pid", "--fork", TERRAZZO_PROGRAM};
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  std::array<ProgramRun, 2> runs;
+  std::thread processes[2];
+  for (std::size_t i = 0; i < 2; ++i) processes[i] = std::thread([&, i] { runs[i] = run_command(command); });
+  for (auto& p : processes) p.join();
+  return runs;
+}
+
 fs::path source_folder() { return TERRAZZO_SOURCE; }
 fs::path build_folder() { return fs::path(TERRAZZO_PROGRAM).parent_path(); }
 

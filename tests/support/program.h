@@ -1,6 +1,7 @@
 // Runs programs, mostly terrazzo, as a user would.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -25,6 +26,11 @@ struct ProgramOptions {
 ProgramRun run_command(const std::vector<std::string>& command, const ProgramOptions& = {});
 // Runs terrazzo with these arguments.
 ProgramRun run_program(const std::vector<std::string>& arguments, const ProgramOptions& = {});
+// Whether this system can create namespaces of process ids.
+bool has_pid_namespaces();
+// Runs terrazzo twice at the same time, both with the same process id, as on two hosts or in two containers
+// that share a disk.
+std::array<ProgramRun, 2> run_twice_with_one_process_id(const std::vector<std::string>& arguments);
 std::filesystem::path source_folder();
 std::filesystem::path build_folder();
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "runtime/files.h"
+#include "tests/support/report_contents.h"
 
 namespace terrazzo::torture {
 namespace fs = std::filesystem;
@@ -51,17 +52,6 @@ std::map<std::string, std::string> files_in(const fs::path& folder) {
 
 }  // namespace
 
-std::map<std::string, std::string> report_contents(const fs::path& out) {
-  std::map<std::string, std::string> found;
-  const auto text = read_file(out / "report.json");
-  if (!text) return found;
-  const json report = json::parse(*text);
-  for (const auto& node : report.at("nodes"))
-    for (const auto& [port, o] : node.at("outputs").items())
-      found[node.at("name").get<std::string>() + "." + port] = o.at("content");
-  return found;
-}
-
 Bed::Bed(const Options& o) : folder_(fs::canonical(o.folder)) {
   write(folder_ / "graph.yaml", graph);
   std::string photo = "P6\n8 8\n255\n";
@@ -74,7 +64,7 @@ Bed::Bed(const Options& o) : folder_(fs::canonical(o.folder)) {
     const fs::path out = folder_ / fmt::format("clean{}", variant);
     const Ended e = run(arguments(variant, out, folder_ / "clean_cache"), folder_);
     if (e.exit_code != 0) throw std::runtime_error("the clean run failed: " + e.text());
-    clean_.push_back({report_contents(out), files_in(out)});
+    clean_.push_back({test::report_contents(out / "report.json"), files_in(out)});
     if (clean_.back().files.size() != 4 || clean_.back().contents.size() < 4)
       throw std::runtime_error("the clean run has missing outputs: " + e.text());
     seconds_ = e.seconds;
@@ -143,7 +133,7 @@ std::string Bed::what_is_broken(const fs::path& out) const {
 
 std::string Bed::what_differs(int variant, const fs::path& out) const {
   const Clean& clean = clean_[static_cast<std::size_t>(variant)];
-  const auto contents = report_contents(out);
+  const auto contents = test::report_contents(out / "report.json");
   for (const auto& [port, content] : clean.contents)
     if (const auto it = contents.find(port); it == contents.end() || it->second != content)
       return fmt::format("{} is {}, not {}", port, it == contents.end() ? "missing" : it->second, content);

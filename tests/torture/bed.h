@@ -52,9 +52,6 @@ class Bed {
   std::map<std::filesystem::path, std::string> users_;  // their content
 };
 
-// The content hashes in the report of a run, by NODE.PORT; empty if there is no report.
-std::map<std::string, std::string> report_contents(const std::filesystem::path& out);
-
 // Calls `trial` with 0, 1, 2 … until the time is over, at least once. Adds the part's name, the seed and the
 // trial number to exceptions.
 void repeat(const Options&, const std::string& part, const std::function<void(std::uint64_t)>& trial);

@@ -10,6 +10,7 @@
 
 #include "runtime/random.h"
 #include "runtime/session.h"
+#include "tests/support/report_contents.h"
 #include "tests/torture/bed.h"
 
 namespace terrazzo::torture {
@@ -219,7 +220,8 @@ Counts random_edits(const Options& o) {
     }
     good(run(arguments(folder, "out", true), folder));
     good(run(arguments(folder, "fresh", false), folder));
-    if (report_contents(folder / "out") != report_contents(folder / "fresh"))
+    if (test::report_contents(folder / "out/report.json") !=
+        test::report_contents(folder / "fresh/report.json"))
       throw std::runtime_error("stale after " + what);
   });
   return counts;
