@@ -9,9 +9,6 @@
 
 namespace terrazzo {
 namespace {
-using nlohmann::json;
-using studio::Document;
-using test::kLiveText;
 using test::LiveGraphTest;
 
 // A run that finds everything in the cache ends before anyone looks.

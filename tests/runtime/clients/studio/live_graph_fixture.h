@@ -17,47 +17,49 @@
 
 namespace terrazzo::test {
 
-inline const std::string kLiveText =
-    "terrazzo: 1\n"
-    "nodes:\n"
-    "  a: {type: Constant, params: {value: 5}}\n"
-    "  b: {type: Constant, params: {value: 2}}\n"
-    "  clamp: {type: Clamp, inputs: {in: a.out}, params: {low: 0, high: 3}}\n"
-    "  sum: {type: Add, inputs: {a: clamp.out, b: b.out}}\n"
-    "  write: {type: Write, inputs: {in: sum.out}, params: {path: sum.txt}}\n";
-
 class LiveGraphTest : public ::testing::Test {
  protected:
+  using json = nlohmann::json;
+  using Document = studio::Document;
+  static inline const std::string kLiveText =
+      "terrazzo: 1\n"
+      "nodes:\n"
+      "  a: {type: Constant, params: {value: 5}}\n"
+      "  b: {type: Constant, params: {value: 2}}\n"
+      "  clamp: {type: Clamp, inputs: {in: a.out}, params: {low: 0, high: 3}}\n"
+      "  sum: {type: Add, inputs: {a: clamp.out, b: b.out}}\n"
+      "  write: {type: Write, inputs: {in: sum.out}, params: {path: sum.txt}}\n";
+
   void open(const std::string& text = kLiveText, bool automatic = true) {
     write_text_atomically(file, text);
     live = std::make_unique<studio::LiveGraph>(
         arithmetic(), value_types(),
-        SessionOptions{.cache_folder = folder / "cache", .output_folder = folder}, studio::Document(file),
+        SessionOptions{.cache_folder = folder / "cache", .output_folder = folder}, Document(file),
         Overrides{}, automatic);
   }
   void set(const std::string& node, const std::string& name, const std::string& value) {
-    live->change([&](studio::Document& d) {
+    live->change([&](Document& d) {
       d.edit({{Edit::Kind::SetParameter, node, name, {false, {value}, {}}}});
     });
   }
   // The state once `ready` holds. Fails after 20 s.
-  nlohmann::json when(const std::function<bool(const nlohmann::json&)>& ready) {
+  json when(const std::function<bool(const json&)>& ready) {
     for (int k = 0; k < 2000; ++k) {
-      const nlohmann::json s = live->state();
+      const json s = live->state();
       if (ready(s)) return s;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     ADD_FAILURE() << live->state().dump(1);
     return live->state();
   }
-  nlohmann::json settled() {
-    return when([](const nlohmann::json& s) {
+  json settled() {
+    return when([](const json& s) {
       for (const auto& [path, n] : s["nodes"].items())
         if (n["state"] == "waiting" || n["state"] == "running") return false;
       return !s["run"]["running"].get<bool>();
     });
   }
-  double number(const nlohmann::json& state, const std::string& node) {
+  double number(const json& state, const std::string& node) {
     return number_of(live->value(state["nodes"][node]["outputs"]["out"]["hash"]));
   }
 

@@ -8,9 +8,6 @@
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-using nlohmann::json;
-using studio::Document;
-using test::kLiveText;
 using test::LiveGraphTest;
 
 TEST_F(LiveGraphTest, EvaluatesWhatAnEditAffects) {

@@ -4,13 +4,10 @@
 #include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "nodes/common/io/image_file.h"
 #include "nodes/register_nodes.h"
-#include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/new_material.h"
-#include "runtime/clients/studio/server/studio_server.h"
 #include "runtime/clients/studio/views/materials.h"
 #include "runtime/files.h"
 #include "tests/support/arithmetic.h"
@@ -18,40 +15,20 @@
 #include "tests/support/program.h"
 #include "tests/support/run_node.h"
 
-#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+#include "tests/runtime/clients/studio/studio_server_fixture.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kStartText = "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}  # kept\n";
-
-// Node types are arithmetic, so that opened materials have errors and nothing is evaluated.
-class StudioStarts : public ::testing::Test {
+// Opened materials have errors, since their node types are unknown, and nothing is evaluated.
+class StudioStarts : public test::StudioServerTest {
  protected:
   StudioStarts() {
-    write_text_atomically(folder / "graph.yaml", kStartText);
     write_image(folder / "photo.png", Image(30, 20, 1, 1, Vec3f(0.1f, 0.4f, 0.2f)));
     bytes = *read_file(folder / "photo.png");
-    live = std::make_unique<studio::LiveGraph>(test::arithmetic(), test::value_types(), SessionOptions{},
-                                               studio::Document(folder / "graph.yaml"), Overrides{}, false);
-    server = std::make_unique<studio::StudioServer>(
-        *live, test::arithmetic(),
-        studio::StudioStart{.workspace = studio::Workspace(folder), .welcome = true});
-    port = server->bind(0);
-    token = server->address().substr(server->address().find("token=") + 6);
-    thread = std::thread([this] { server->serve(); });
-  }
-  ~StudioStarts() override {
-    server->stop();
-    thread.join();
-  }
-  httplib::Client client() const {
-    httplib::Client c("127.0.0.1", port);
-    c.set_default_headers({{"Cookie", "terrazzo_studio_" + std::to_string(port) + "=" + token}});
-    c.set_read_timeout(20);
-    return c;
+    serve({.workspace = studio::Workspace(folder), .welcome = true}, false);
   }
   json post(const std::string& path, const std::string& body, const char* type) const {
     const auto r = client().Post(path.c_str(), body, type);
@@ -65,12 +42,7 @@ class StudioStarts : public ::testing::Test {
   }
   json document() const { return json::parse(client().Get("/api/state")->body)["document"]; }
 
-  const fs::path folder = fs::canonical(test::temporary_folder());
-  std::string bytes, token;
-  std::unique_ptr<studio::LiveGraph> live;
-  std::unique_ptr<studio::StudioServer> server;
-  int port = 0;
-  std::thread thread;
+  std::string bytes;
 };
 
 TEST_F(StudioStarts, AnUploadedPhotographBecomesAGraphBesideIt) {
@@ -108,11 +80,11 @@ TEST_F(StudioStarts, WhatIsNoPictureLeavesNothingBehind) {
   fs::create_directory_symlink("/tmp", folder / "link");
   EXPECT_EQ(upload("name=a.png&folder=link", bytes)["code"], "outside-folder");
   EXPECT_FALSE(fs::exists(folder / "new/a.yaml"));
-  EXPECT_EQ(document()["text"], kStartText);
+  EXPECT_EQ(document()["text"], kText);
 }
 
 TEST_F(StudioStarts, UnsavedChangesAreNotLeftWithoutAsking) {
-  live->change([](studio::Document& d) { d.replace(kStartText + "# more\n"); });
+  live->change([](studio::Document& d) { d.replace(kText + "# more\n"); });
   EXPECT_EQ(upload("name=a.png&folder=a", bytes)["code"], "unsaved-changes");
   EXPECT_FALSE(fs::exists(folder / "a"));
   EXPECT_EQ(post("/api/open", {{"material", "gravel"}})["code"], "unsaved-changes");
@@ -131,10 +103,10 @@ TEST_F(StudioStarts, GraphsBelowTheFolderAreListedAndOpened) {
     fs::create_directories((folder / name).parent_path());
     write_text_atomically(folder / name, text);
   };
-  put("sub/mine.yaml", "# a comment first\n" + kStartText);
+  put("sub/mine.yaml", "# a comment first\n" + kText);
   put("other.yaml", "name: no graph\nabout: \"terrazzo: 1\"\n");
-  put(".hidden/x.yaml", kStartText);
-  put("a/b/c/d/e/deep.yaml", kStartText);
+  put(".hidden/x.yaml", kText);
+  put("a/b/c/d/e/deep.yaml", kText);
   ASSERT_EQ(::mkfifo((folder / "pipe.yaml").c_str(), 0600), 0);
   fs::create_symlink("/proc/self/environ", folder / "away.yaml");
   const auto now = fs::last_write_time(folder / "sub/mine.yaml");
@@ -148,17 +120,17 @@ TEST_F(StudioStarts, GraphsBelowTheFolderAreListedAndOpened) {
   EXPECT_EQ(post("/api/open", {{"graph", "../x.yaml"}})["code"], "outside-folder");
   EXPECT_EQ(post("/api/open", {{"graph", "away.yaml"}})["code"], "outside-folder");
   EXPECT_EQ(post("/api/open", {{"graph", "none.yaml"}})["code"], "no-file");
-  live->change([](studio::Document& d) { d.replace(kStartText + "# more\n"); });
+  live->change([](studio::Document& d) { d.replace(kText + "# more\n"); });
   EXPECT_EQ(post("/api/open", {{"graph", "graph.yaml"}})["code"], "unsaved-changes");
 }
 
 TEST_F(StudioStarts, AGraphIsSavedUnderAnotherName) {
   EXPECT_EQ(post("/api/save_as", {{"file", "graph.yaml"}})["code"], "file-exists");
   EXPECT_EQ(post("/api/save_as", {{"file", "../graph.yaml"}})["code"], "outside-folder");
-  live->change([](studio::Document& d) { d.replace(kStartText + "# more\n"); });
+  live->change([](studio::Document& d) { d.replace(kText + "# more\n"); });
   EXPECT_EQ(post("/api/save_as", {{"file", "sub/copy"}})["file"], (folder / "sub/copy.yaml").string());
-  EXPECT_EQ(*read_file(folder / "sub/copy.yaml"), kStartText + "# more\n");
-  EXPECT_EQ(*read_file(folder / "graph.yaml"), kStartText);
+  EXPECT_EQ(*read_file(folder / "sub/copy.yaml"), kText + "# more\n");
+  EXPECT_EQ(*read_file(folder / "graph.yaml"), kText);
   EXPECT_FALSE(fs::exists(folder / ".graph.yaml.unsaved"));
   EXPECT_EQ(document()["saved"], true);
   EXPECT_EQ(document()["can_undo"], true);

@@ -14,41 +14,22 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
-#include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/views/value_views.h"
 #include "runtime/files.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
-#include <httplib.h>  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
+#include "tests/runtime/clients/studio/studio_server_fixture.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-class Studio : public ::testing::Test {
+class Studio : public test::StudioServerTest {
  protected:
-  Studio() {
-    write_text_atomically(file, "terrazzo: 1\nnodes:\n  a: {type: Constant, params: {value: 5}}  # kept\n");
-    live = std::make_unique<studio::LiveGraph>(test::arithmetic(), test::value_types(), SessionOptions{},
-                                               studio::Document(file));
-    server = std::make_unique<studio::StudioServer>(*live, test::arithmetic());
-    port = server->bind(0);
-    token = server->address().substr(server->address().find("token=") + 6);
-    thread = std::thread([this] { server->serve(); });
-  }
-  ~Studio() override {
-    server->stop();
-    thread.join();
-  }
-  httplib::Client client() const {
-    httplib::Client c("127.0.0.1", port);
-    c.set_default_headers({{"Cookie", "terrazzo_studio_" + std::to_string(port) + "=" + token}});
-    c.set_read_timeout(20);
-    return c;
-  }
+  Studio() { serve({}, true); }
   json get(const std::string& path) const { return json::parse(client().Get(path.c_str())->body); }
   int post(const std::string& path, const json& body, json* answer = nullptr) const {
     const auto r = client().Post(path.c_str(), body.dump(), "application/json");
@@ -77,13 +58,6 @@ class Studio : public ::testing::Test {
     out.resize(std::min(count, out.size()));
     return out;
   }
-
-  const fs::path file = test::temporary_folder() / "graph.yaml";
-  std::unique_ptr<studio::LiveGraph> live;
-  std::unique_ptr<studio::StudioServer> server;
-  int port = 0;
-  std::string token;
-  std::thread thread;
 };
 
 const json kSet = {{"edits", {{{"op", "set"}, {"node", "a"}, {"name", "value"}, {"value", "6"}}}}};
