@@ -4,24 +4,18 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
+
+#include "runtime/files.h"
 
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& file) {
-  std::ostringstream out;
-  out << std::ifstream(file).rdbuf();
-  return out.str();
-}
 
 // The districts in the order in which the data passes. A file may include its own folder, the libraries of
 // its district, and earlier districts. Never another node.
@@ -87,7 +81,7 @@ TEST(Districts, NoIncludePointsUpOrAcross) {
     const Place place = place_of(path);
     ASSERT_TRUE(std::count(kDistricts.begin(), kDistricts.end(), place.district))
         << path << " is in no district";
-    const std::string text = content(e.path());
+    const std::string text = read_file(e.path()).value_or("");
     for (std::sregex_iterator it(text.begin(), text.end(), include), end; it != end; ++it, ++includes)
       EXPECT_TRUE(may_include(place, place_of(fs::path((*it)[1])))) << path << " includes " << (*it)[1];
   }
@@ -122,7 +116,7 @@ TEST(Districts, EveryNodeFolderHasItsOwnNamespace) {
   for (const auto& e : fs::recursive_directory_iterator(nodes)) {
     if (e.path().extension() != ".h" || node_of(e.path()).empty()) continue;
     const std::string folder = node_of(e.path()).filename();
-    const std::string text = content(e.path()),
+    const std::string text = read_file(e.path()).value_or(""),
                       own = "terrazzo::" + (folder == "export" ? "exporting" : folder);
     std::set<std::string> spaces;
     for (std::sregex_iterator it(text.begin(), text.end(), opening), end; it != end; ++it)

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <regex>
 #include <set>
@@ -11,15 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "runtime/files.h"
+
 namespace terrazzo {
 namespace {
 namespace fs = std::filesystem;
-
-std::string content(const fs::path& file) {
-  std::ostringstream out;
-  out << std::ifstream(file).rdbuf();
-  return out.str();
-}
 
 // The anchor that GitHub gives a heading: lower case, without punctuation, blanks as hyphens.
 std::string anchor_of(const std::string& heading) {
@@ -112,11 +107,11 @@ TEST(Results, EveryNumberOfTheSummaryStandsInItsSection) {
   const fs::path docs = fs::path(TERRAZZO_SOURCE) / "docs";
   std::map<std::string, std::map<std::string, std::string>> pages;
   std::size_t checked = 0;
-  for (const Claim& claim : claims_of(content(docs / "results.md"))) {
+  for (const Claim& claim : claims_of(read_file(docs / "results.md").value_or(""))) {
     EXPECT_FALSE(claim.links.empty()) << claim.text;
     std::set<std::string> measured;
     for (const Link& link : claim.links) {
-      if (!pages.count(link.page)) pages[link.page] = sections_of(content(docs / link.page));
+      if (!pages.count(link.page)) pages[link.page] = sections_of(read_file(docs / link.page).value_or(""));
       const auto section = pages[link.page].find(link.anchor);
       ASSERT_NE(section, pages[link.page].end()) << link.page << "#" << link.anchor;
       std::string text = section->second;

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/code_of.h"
+#include "tests/support/with.h"
 
 namespace terrazzo {
 namespace {
+using test::with;
 using Kind = Edit::Kind;
 
 const std::string kGraph =
@@ -34,12 +36,6 @@ const std::string kGraph =
 
 std::string after(const Edit& e, const std::string& text = kGraph) {
   return edit_document(text, "g.yaml", e);
-}
-
-std::string with(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
 }
 
 Edit set(const std::string& node, const std::string& name, const std::string& value) {

@@ -7,9 +7,11 @@
 
 #include "graph/graph.h"
 #include "tests/support/arithmetic.h"
+#include "tests/support/with.h"
 
 namespace terrazzo {
 namespace {
+using test::with;
 
 RawDocument document_of(const std::string& text) {
   Diagnostics found;
@@ -52,27 +54,8 @@ TEST(WriteDocument, WritesOnlyWhatChanged) {
   node.type = "Constant";
   doc.nodes.push_back(node);
   EXPECT_EQ(write_document(doc, kText),
-            "# About the graph.\n"
-            "terrazzo: 1\n"
-            "name: Sums  # of numbers\n"
-            "parameters:\n"
-            "  # The first number.\n"
-            "  first: {type: number, default: 2, doc: \"First: a number\"}\n"
-            "\n"
-            "  second: {type: number, default: 4, min: 0.000001}\n"
-            "nodes:\n"
-            "  a: {type: Constant, params: {value: \"${first}\"}}  # flow\n"
-            "  # Two lines\n"
-            "  # about b.\n"
-            "  b:\n"
-            "    type: Constant\n"
-            "    params: {value: 7}\n"
-            "  sum:\n"
-            "    type: Add\n"
-            "    inputs: {a: a.out, b: b.out}\n"
-            "  c:\n"
-            "    type: Constant\n"
-            "outputs: {sum: sum.out}\n");
+            with(with(with(kText, "default: 3", "default: 4"), "\"${second}\"}  # with a comment", "7}"),
+                 "outputs:", "  c:\n    type: Constant\noutputs:"));
   doc = document_of(kText);
   doc.nodes.erase(doc.nodes.begin());
   doc.outputs.clear();

@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "runtime/report/explain.h"
 #include "runtime/session.h"
+#include "tests/runtime/cached_run_fixture.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
@@ -14,7 +14,6 @@ namespace {
 using test::count;
 using test::graph_of;
 using test::paths;
-using Paths = std::vector<std::string>;
 
 std::string squares(const std::string& values) {
   return "nodes:\n"
@@ -27,19 +26,7 @@ std::string squares(const std::string& values) {
          "  sum: {type: Sum, inputs: {in: d.out}}\n";
 }
 
-class EachRun : public ::testing::Test {
- protected:
-  RunResult run(const Graph& g, RunOptions o = {}) {
-    Store store(test::value_types(), cache);  // shares only the folder with other runs, like another process
-    FileHashes hashes(cache);
-    Evaluator e(test::value_types(), store, hashes);
-    o.output_folder = folder / "out";
-    RunResult r = e.run(g, o);
-    History(cache).record(g, r, hashes);
-    return r;
-  }
-  std::filesystem::path folder = test::temporary_folder(), cache = folder / "cache";
-};
+class EachRun : public test::CachedRunTest {};
 
 TEST_F(EachRun, AnEditRunsTheElementsThatItAffects) {
   EXPECT_EQ(count(run(graph_of(squares("1:100:1"))), Status::Computed), 201);

@@ -7,6 +7,7 @@
 
 #include "runtime/files.h"
 #include "runtime/report/explain.h"
+#include "tests/runtime/cached_run_fixture.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/run_node.h"
 
@@ -16,7 +17,6 @@ namespace {
 using test::count;
 using test::graph_of;
 using test::paths;
-using Paths = std::vector<std::string>;
 
 const std::string chain =
     "nodes:\n"
@@ -25,18 +25,8 @@ const std::string chain =
     "  clamp: {type: Clamp, inputs: {in: a.out}, params: {low: 0, high: 3}}\n"
     "  sum: {type: Add, inputs: {a: clamp.out, b: b.out}}\n";
 
-class Evaluate : public ::testing::Test {
+class Evaluate : public test::CachedRunTest {
  protected:
-  RunResult run(const Graph& g, RunOptions o = {}) {
-    // A new store each time, so that runs share only the cache folder, like two processes.
-    Store store(test::value_types(), cache);
-    FileHashes hashes(cache);
-    Evaluator e(test::value_types(), store, hashes);
-    o.output_folder = folder / "out";
-    RunResult r = e.run(g, o);
-    History(cache).record(g, r, hashes);
-    return r;
-  }
   Plan plan(const Graph& g) {
     Store store(test::value_types(), cache);
     FileHashes hashes(cache);
@@ -44,8 +34,6 @@ class Evaluate : public ::testing::Test {
     o.output_folder = folder / "out";
     return plan_run(g, o, store, hashes, History(cache));
   }
-  std::filesystem::path folder = test::temporary_folder();
-  std::filesystem::path cache = folder / "cache";
 };
 
 TEST_F(Evaluate, RunsOnceThenComesFromTheDisk) {

@@ -273,18 +273,26 @@ TEST(DetailSpectrum, ChromaGetsASpectrumOfItsOwn) {
   EXPECT_NEAR(chroma_next / chroma, 0.75, 0.12);
 }
 
+struct Contrasts {
+  Phases phases;
+  Detail detail;
+};
+
+// The phases of a picture after split_contrasts, and the contrasts of its profiles.
+Contrasts contrasts_of(const test::DrawnPicture& drawn, const PhaseOptions& options) {
+  Contrasts out{find_phases(drawn.image, drawn.labels, options), {}};
+  out.detail.phases.resize(out.phases.pixels.size());
+  split_contrasts(out.phases, drawn.image, drawn.labels, out.detail);
+  return out;
+}
+
 TEST(DetailRims, ChromaAndGrayHaveContrastsOfTheirOwn) {
   const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
     if (id == 0) return Vec3f(0.5f, 0.5f, 0.5f);
     const float hue = (id % 2 ? 0.04f : 0.01f) * noise(x, y, 5);
     return Vec3f(Vec3f::Constant(0.4f + 0.02f * noise(x, y, 6)) + hue * Vec3f(1, 0, -1));
   });
-  PhaseOptions choice;
-  choice.groups = 1;
-  Phases p = find_phases(drawn.image, drawn.labels, choice);
-  Detail d;
-  d.phases.resize(p.pixels.size());
-  split_contrasts(p, drawn.image, drawn.labels, d);
+  const Detail d = contrasts_of(drawn, {.groups = 1}).detail;
   ASSERT_EQ(d.profile_contrast.size(), 16u);
   EXPECT_NEAR(d.profile_contrast[0].y() / d.profile_contrast[1].y(), 4, 0.3);
   EXPECT_NEAR(d.profile_contrast[0].x() / d.profile_contrast[1].x(), 1, 0.1);
@@ -298,12 +306,7 @@ TEST(DetailRims, ZonesDoNotCountAsGrain) {
     const float zone = id % 2 ? 0.06f * std::sin(0.1f * static_cast<float>(x)) : 0;
     return Vec3f(Vec3f::Constant(0.4f + zone + 0.02f * noise(x, y, 5)));
   });
-  PhaseOptions choice;
-  choice.groups = 1;
-  Phases p = find_phases(drawn.image, drawn.labels, choice);
-  Detail d;
-  d.phases.resize(p.pixels.size());
-  split_contrasts(p, drawn.image, drawn.labels, d);
+  const Detail d = contrasts_of(drawn, {.groups = 1}).detail;
   ASSERT_EQ(d.profile_contrast.size(), 16u);
   ASSERT_EQ(d.profile_broad.size(), 16u);
   EXPECT_EQ(d.profile_group, std::vector<std::int32_t>(16, 1));
@@ -315,10 +318,7 @@ TEST(DetailRims, GrayPicturesHaveNoChromaToDivideBy) {
   const auto drawn = test::draw_disks(320, 80, 30, [](int x, int y, int id) {
     return Vec3f(Vec3f::Constant((id ? 0.4f : 0.7f) + 0.02f * noise(x, y, 5)));
   });
-  Phases p = find_phases(drawn.image, drawn.labels, {});
-  Detail d;
-  d.phases.resize(p.pixels.size());
-  split_contrasts(p, drawn.image, drawn.labels, d);
+  const auto [p, d] = contrasts_of(drawn, {});
   for (const auto& c : d.profile_contrast) EXPECT_TRUE(c.allFinite());
   for (const Vec3f& v : p.offset) ASSERT_TRUE(v.allFinite());
 }
