@@ -1,34 +1,21 @@
 // node check.mjs TERRAZZO GRAPH CHROMIUM: works on GRAPH like a user: looks, edits, wires, undoes, saves. Prints the observed
 // states as one JSON object.
-import { spawn } from 'node:child_process';
-import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { chromium } from 'playwright-core';
+import { launch, result, start, watch } from './session.mjs';
 
 const [, , program, graph, executablePath] = process.argv;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const server = spawn(program, ['studio', graph, '--no-browser', '--no-cache'], { stdio: ['ignore', 'pipe', 'inherit'] });
-const [first] = await once(server.stdout, 'data');
-const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
-const result = { errors: [], violations: [] };
+const { server, address } = await start(program, [graph, '--no-cache']);
+const browser = await launch(executablePath, '--enable-unsafe-swiftshader');
 try {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
-  page.on('pageerror', e => result.errors.push(e.message));
-  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
-  await page.goto(String(first).trim());
-  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
+  const { card, state, check } = watch(page);
+  await page.goto(address);
   const settled = () => page.waitForFunction(() => {
     const at = document.querySelector('.status')?.textContent ?? '';
     return document.querySelector('.card') && !/running|not connected/.test(at) && !document.querySelector('.card.waiting, .card.running');
   });
   const size = () => page.textContent('.readout');
-  const text = () => page.evaluate(async () => (await (await fetch('/api/state')).json()).document.text);
-  const check = async where => {
-    await page.evaluate(axe);
-    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
-    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
-  };
+  const text = async () => (await state()).document.text;
 
   await settled();
   const before = await text();

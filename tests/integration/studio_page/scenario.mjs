@@ -1,42 +1,18 @@
 // node scenario.mjs TERRAZZO PHOTOGRAPH CHROMIUM FOLDER: makes a material of the photograph in FOLDER, as a new user would:
 // corrects the binder and the particles, changes the size of the block, moves the plane, saves. Prints what it saw as one
 // JSON object.
-import { spawn } from 'node:child_process';
-import { once } from 'node:events';
-import { readFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
-import { chromium } from 'playwright-core';
+import { launch, report, result, start, watch } from './session.mjs';
 
 const [, , program, photograph, executablePath, folder] = process.argv;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-const server = spawn(program, ['studio', '--no-browser', '--no-cache', '--no-live'], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
-const [first] = await once(server.stdout, 'data');
-const browser = await chromium.launch({ executablePath, args: ['--no-sandbox', '--enable-unsafe-swiftshader'] });
-const result = { errors: [], violations: [] };
-try {
+const { server, address } = await start(program, ['--no-cache', '--no-live'], { cwd: folder });
+await report(server, async () => {
+  const browser = await launch(executablePath, '--enable-unsafe-swiftshader');
   const page = await browser.newPage({ viewport: { width: 1360, height: 850 } });
   page.setDefaultTimeout(90000);
-  page.on('pageerror', e => result.errors.push(e.message));
-  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
-  await page.goto(String(first).trim());
-  const state = () => page.evaluate(async () => (await fetch('/api/state')).json());
-  const until = async (what, holds) => {
-    for (let k = 0; k < 900; ++k) {
-      const s = await state();
-      if (holds(s)) return s;
-      await page.waitForTimeout(100);
-    }
-    throw new Error(`waited in vain until ${what}`);
-  };
-  const idle = () => until('everything is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
+  const { card, until, idle, check } = watch(page);
+  await page.goto(address);
   const done = s => n => ['computed', 'cached'].includes(s.nodes[n]?.state);
   const table = async (s, node, port) => page.evaluate(async h => (await (await fetch(`/api/value/${h}?as=json`)).json()).rows[0], s.nodes[node].outputs[port].hash);
-  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
-  const check = async where => {
-    await page.evaluate(axe);
-    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
-    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
-  };
 
   // A photograph becomes a graph.
   await page.waitForSelector('.materials li');
@@ -131,10 +107,4 @@ try {
   result.file = s.document.file;
   result.after = s.document.text;
   result.contents = Object.fromEntries(Object.entries(s.nodes).map(([name, n]) => [name, Object.fromEntries(Object.entries(n.outputs).map(([port, o]) => [port, o.hash]))]));
-} catch (e) {
-  result.errors.push(String(e));
-} finally {
-  await browser.close();
-  server.kill();
-}
-console.log(JSON.stringify(result));
+});

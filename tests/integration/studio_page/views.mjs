@@ -1,13 +1,9 @@
 // node views.mjs TERRAZZO FOLDER CHROMIUM: uses the views of a graph with solids like a user. Prints the observed states as one JSON object.
-import { spawn } from 'node:child_process';
-import { once } from 'node:events';
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
-import { chromium } from 'playwright-core';
+import { launch, report, result, start, watch } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const graph = join(folder, 'solids.yaml');
 writeFileSync(join(folder, 'part.yaml'), 'terrazzo: 1\nnodes:\n  inner: {type: Pattern, params: {kind: marble, axis: z, width: 32, height: 24}}\noutputs: {image: inner.image}\n');
 writeFileSync(graph, `# kept
@@ -24,30 +20,14 @@ nodes:
   voxels: {type: Voxelize, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {resolution: 32}}
   sheet: {type: ContactSheet, inputs: {images: [marble.image, section.image, part.image]}}
 `);
-const result = { errors: [], violations: [] };
-const launch = extra => chromium.launch({ executablePath, args: ['--no-sandbox', ...extra] });
-const server = spawn(program, ['studio', graph, '--no-browser', '--cache', join(folder, 'cache')], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
-const address = String((await once(server.stdout, 'data'))[0]).trim();
-let browser = await launch(['--enable-unsafe-swiftshader']);
-try {
+const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
+await report(server, async () => {
+  const browser = await launch(executablePath, '--enable-unsafe-swiftshader');
   const context = await browser.newContext({ viewport: { width: 1360, height: 860 }, colorScheme: 'dark' });
   const page = await context.newPage();
   page.setDefaultTimeout(60000);
-  page.on('pageerror', e => result.errors.push(e.message));
-  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  const { card, state, until, idle, check } = watch(page);
   await page.goto(address);
-  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
-  const state = (p = page) => p.evaluate(async () => (await fetch('/api/state')).json());
-  const until = async (what, ready) => {
-    for (const end = Date.now() + 90000; Date.now() < end; await page.waitForTimeout(150)) { const s = await state(); if (ready(s)) return s; }
-    throw new Error(`waited too long until ${what}`);
-  };
-  const idle = () => until('all is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
-  const check = async (where, p = page) => {
-    await p.evaluate(axe);
-    const found = await p.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
-    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
-  };
   const shot = async (name, p = page) => process.env.SHOTS && p.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
   // Colors of a screenshot of the drawing: how many differ, coarsely.
   const colors = async (where, p = page) => {
@@ -244,11 +224,9 @@ try {
   await browser.close();
 
   // Without WebGL, the page says so and shows pictures that the server renders.
-  browser = await launch(['--disable-gpu', '--disable-3d-apis']);
-  const plain = await browser.newPage({ viewport: { width: 1360, height: 860 } });
+  const plain = await (await launch(executablePath, '--disable-gpu', '--disable-3d-apis')).newPage({ viewport: { width: 1360, height: 860 } });
   plain.setDefaultTimeout(60000);
-  plain.on('pageerror', e => result.errors.push(e.message));
-  plain.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  const without = watch(plain);
   await plain.goto(address);
   const rendered = async where => {
     await plain.waitForSelector(`${where}.rendered canvas`);
@@ -266,7 +244,7 @@ try {
   await plain.keyboard.press('End');
   for (let k = 0; k < 200 && (await plain.locator('.rendered canvas').screenshot()).equals(seen); ++k) await plain.waitForTimeout(100);
   result.turned_without = !(await plain.locator('.rendered canvas').screenshot()).equals(seen);
-  await check('without WebGL', plain);
+  await without.check('without WebGL');
   await shot('without_webgl', plain);
   await open('shape');
   result.without.shapes = await rendered('.both ');
@@ -280,10 +258,4 @@ try {
   result.without.block = await rendered('');
   await plain.click('button:has-text("Slices")');
   await plain.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
-} catch (e) {
-  result.errors.push(String(e));
-} finally {
-  await browser.close();
-  server.kill();
-}
-console.log(JSON.stringify(result));
+});

@@ -1,0 +1,58 @@
+// What the scripts of this folder share: the Studio, its browser, and what they see of a page.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { readFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { chromium } from 'playwright-core';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const browsers = [];
+export const result = { errors: [], violations: [] };
+
+// Starts the Studio. Its first line is its address.
+export async function start(program, args, options = {}) {
+  const server = spawn(program, ['studio', ...args, '--no-browser'], { ...options, stdio: ['ignore', 'pipe', 'inherit'] });
+  const [first] = await once(server.stdout, 'data');
+  return { server, address: String(first).trim() };
+}
+
+export async function launch(executablePath, ...args) {
+  browsers.push(await chromium.launch({ executablePath, args: ['--no-sandbox', ...args] }));
+  return browsers.at(-1);
+}
+
+// Does `work`, adds its error to the result, ends the browsers and the Studio, and prints the result.
+export async function report(server, work) {
+  try {
+    await work();
+  } catch (e) {
+    result.errors.push(String(e));
+  } finally {
+    for (const browser of browsers) await browser.close();
+    server.kill();
+  }
+  console.log(JSON.stringify(result));
+}
+
+// Adds the page's errors to the result. Returns what scripts ask of a page.
+export function watch(page) {
+  page.on('pageerror', e => result.errors.push(e.message));
+  page.on('console', m => m.type() === 'error' && result.errors.push(m.text()));
+  const card = name => page.locator(`.react-flow__node[data-id="${name}"]`);
+  const state = () => page.evaluate(async () => (await fetch('/api/state')).json());
+  const until = async (what, holds) => {
+    for (const end = Date.now() + 90000; Date.now() < end; await page.waitForTimeout(100)) {
+      const s = await state();
+      if (holds(s)) return s;
+    }
+    throw new Error(`waited in vain until ${what}`);
+  };
+  const idle = () => until('all is computed', s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)));
+  // Adds what hinders some users to the result.
+  const check = async where => {
+    await page.evaluate(axe);
+    const found = await page.evaluate(() => axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'best-practice'] }));
+    for (const v of found.violations) result.violations.push(`${where}: ${v.id}: ${v.nodes.map(n => n.html.slice(0, 120)).slice(0, 2).join(' ')}`);
+  };
+  return { card, state, until, idle, check };
+}
