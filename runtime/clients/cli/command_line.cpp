@@ -30,6 +30,16 @@ void add_set_option(CLI::App& app, GraphOptions& o) {
       ->expected(1);
 }
 
+void add_target_option(CLI::App& app, GraphOptions& o, const std::string& verb) {
+  app.add_option("--target", o.targets,
+                 "Node to " + verb +
+                     ": NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, nodes that "
+                     "write files, and nodes without consumers)")
+      ->type_name(placeholder::target)
+      ->take_all()
+      ->expected(1);
+}
+
 void add_cache_options(CLI::App& app, GraphOptions& o) {
   auto* cache = app.add_option("--cache", o.cache,
                                "Cache folder (default: $XDG_CACHE_HOME/terrazzo or ~/.cache/terrazzo)")

@@ -11,6 +11,8 @@ namespace terrazzo::cli {
 CLI::Option* add_graph_options(CLI::App&, GraphOptions&);
 // NODE.PARAM=VALUE, repeatable.
 void add_set_option(CLI::App&, GraphOptions&);
+// NODE, NODE.PORT or a graph output, repeatable. `verb`: what is done with the node, such as "evaluate".
+void add_target_option(CLI::App&, GraphOptions&, const std::string& verb);
 void add_cache_options(CLI::App&, GraphOptions&);
 void add_run_options(CLI::App&, GraphOptions&);  // cache options, --out, --threads, --memory
 

@@ -6,7 +6,6 @@
 #include <memory>
 
 #include "runtime/clients/cli/commands.h"
-#include "runtime/clients/cli/placeholders.h"
 #include "runtime/clients/cli/report.h"
 
 namespace terrazzo::cli {
@@ -67,13 +66,7 @@ void add_explain(CLI::App& app, const Program& program, int& exit_code) {
   auto o = std::make_shared<GraphOptions>();
   add_graph_options(*command, *o);
   add_run_options(*command, *o);
-  command
-      ->add_option("--target", o->targets,
-                   "Node to explain: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
-                   "nodes that write files, and nodes without consumers)")
-      ->type_name(placeholder::target)
-      ->take_all()
-      ->expected(1);
+  add_target_option(*command, *o, "explain");
   command->callback([o, &program, &exit_code] {
     const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
     Session session(nodes.registry, nodes.types, session_options(*o));

@@ -132,13 +132,7 @@ void add_run(CLI::App& app, const Program& program, int& exit_code) {
           ->description(
               "Graph file (YAML; default: the terrazzo material that is installed with the program)");
   add_run_options(*command, *o);
-  command
-      ->add_option("--target", o->targets,
-                   "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
-                   "nodes that write files, and nodes without consumers)")
-      ->type_name(placeholder::target)
-      ->take_all()
-      ->expected(1);
+  add_target_option(*command, *o, "evaluate");
   command
       ->add_option("--report", o->report,
                    "Write a JSON report to this file (default: report.json in the output folder, if the "

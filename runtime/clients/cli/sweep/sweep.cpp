@@ -212,13 +212,7 @@ void add_sweep(CLI::App& app, const Program& program, int& exit_code) {
       ->take_all()
       ->expected(1);
   add_run_options(*command, *o);
-  command
-      ->add_option("--target", o->targets,
-                   "Node to evaluate: NODE, NODE.PORT or a graph output (repeatable; default: graph outputs, "
-                   "nodes that write files, and nodes without consumers)")
-      ->type_name(placeholder::target)
-      ->take_all()
-      ->expected(1);
+  add_target_option(*command, *o, "evaluate");
   command->add_option("--jobs", o->jobs, "Number of points to run at a time; they share the threads")
       ->type_name(placeholder::number)
       ->check(CLI::Range(1, 256))
