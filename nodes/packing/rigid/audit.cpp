@@ -70,61 +70,52 @@ void descend(const Solid& a, const Solid& b, int i, int j, double scale,
     stack.insert(stack.end(), {{i, n.right}, {i, j + 1}});
 }
 
-// Depth of the deepest intersection of triangles in a's unit; 0 if some only touch, −1 if none meet.
-double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
-  const Mat3 magnitude = b_to_a.linear.cwiseAbs();
-  double deepest = -1;
+// Visits the pairs of triangles, in a's unit, that are in boxes which are not `apart`.
+template <class Apart, class Visit>
+void each_pair(const Solid& a, const Solid& b, const Map& b_to_a, const Apart& apart, const Visit& visit) {
+  const double scale = b_to_a.linear.col(0).norm();
   std::vector<std::pair<int, int>> stack{{0, 0}};
   while (!stack.empty()) {
     const auto [i, j] = stack.back();
     stack.pop_back();
     const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
     tests += kBoxes;
-    if (!boxes_meet(m.box, n.box, b_to_a, magnitude)) continue;
-    if (m.right == 0 && n.right == 0) {
-      for (int y = n.first; y < n.first + n.count; ++y) {
-        Corners cb = corners(*b.mesh, b.tree.triangles[y]);
-        for (auto& p : cb) p = b_to_a(p);
-        for (int x = m.first; x < m.first + m.count; ++x) {
-          tests += kTriangles;
-          deepest = std::max(deepest, triangle_penetration(corners(*a.mesh, a.tree.triangles[x]), cb));
-        }
-      }
+    if (apart(m.box, n.box)) continue;
+    if (m.right != 0 || n.right != 0) {
+      descend(a, b, i, j, scale, stack);
       continue;
     }
-    const double scale = magnitude.col(0).norm();
-    descend(a, b, i, j, scale, stack);
+    for (int y = n.first; y < n.first + n.count; ++y) {
+      Corners cb = corners(*b.mesh, b.tree.triangles[y]);
+      for (auto& p : cb) p = b_to_a(p);
+      tests += kTriangles * m.count;
+      for (int x = m.first; x < m.first + m.count; ++x) visit(corners(*a.mesh, a.tree.triangles[x]), cb);
+    }
   }
+}
+
+// Depth of the deepest intersection of triangles in a's unit; 0 if some only touch, −1 if none meet.
+double crossing(const Solid& a, const Solid& b, const Map& b_to_a) {
+  const Mat3 magnitude = b_to_a.linear.cwiseAbs();
+  double deepest = -1;
+  each_pair(
+      a, b, b_to_a, [&](const Aabb& m, const Aabb& n) { return !boxes_meet(m, n, b_to_a, magnitude); },
+      [&](const Corners& ca, const Corners& cb) {
+        deepest = std::max(deepest, triangle_penetration(ca, cb));
+      });
   return deepest;
 }
 
 // Smallest distance of two surfaces that do not intersect, in a's unit, or `bound` if that is smaller.
 double clearance(const Solid& a, const Solid& b, const Map& b_to_a, double bound) {
   const Mat3 magnitude = b_to_a.linear.cwiseAbs();
-  const double scale = b_to_a.linear.col(0).norm();
   const auto box_distance = [&](const Aabb& m, const Aabb& n) {
     const Vec3 half = magnitude * (0.5 * (n.high - n.low)), center = b_to_a(n.center());
     return (m.low - (center + half)).cwiseMax((center - half) - m.high).cwiseMax(Vec3::Zero()).norm();
   };
-  std::vector<std::pair<int, int>> stack{{0, 0}};
-  while (!stack.empty()) {
-    const auto [i, j] = stack.back();
-    stack.pop_back();
-    const auto &m = a.tree.nodes[i], &n = b.tree.nodes[j];
-    tests += kBoxes;
-    if (box_distance(m.box, n.box) >= bound) continue;
-    if (m.right == 0 && n.right == 0) {
-      for (int y = n.first; y < n.first + n.count; ++y) {
-        Corners cb = corners(*b.mesh, b.tree.triangles[y]);
-        for (auto& p : cb) p = b_to_a(p);
-        tests += kTriangles * m.count;
-        for (int x = m.first; x < m.first + m.count; ++x)
-          bound = std::min(bound, triangle_distance(corners(*a.mesh, a.tree.triangles[x]), cb));
-      }
-      continue;
-    }
-    descend(a, b, i, j, scale, stack);
-  }
+  each_pair(
+      a, b, b_to_a, [&](const Aabb& m, const Aabb& n) { return box_distance(m, n) >= bound; },
+      [&](const Corners& ca, const Corners& cb) { bound = std::min(bound, triangle_distance(ca, cb)); });
   return bound;
 }
 

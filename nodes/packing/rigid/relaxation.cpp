@@ -112,14 +112,6 @@ void Relaxation::rebuild(const Work& work) {
 Overlap Relaxation::find_contacts(const Work& work) {
   if (stale_) rebuild(work);
   if (!first_neighbor_.empty()) return find_sphere_contacts(work);
-  const auto combine = [](Overlap x, const Overlap& y) {
-    x.worst = std::max(x.worst, y.worst);
-    x.energy += y.energy;
-    x.pairs += y.pairs;
-    x.touching += y.touching;
-    x.tests += y.tests;
-    return x;
-  };
   Overlap none;
   none.worst = -1;
   return work.reduce<Overlap>(
@@ -159,7 +151,7 @@ Overlap Relaxation::find_contacts(const Work& work) {
         }
         return sum;
       },
-      combine);
+      combined);
 }
 
 void Relaxation::displace(std::size_t i, const Vec3& by, const Vec3& turn) {

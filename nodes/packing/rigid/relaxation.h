@@ -1,6 +1,7 @@
 // Separates overlapping bodies by simultaneous translations and rotations in a periodic box.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
@@ -34,6 +35,16 @@ struct Overlap {
   std::size_t touching = 0;  // number of pairs closer than the target distance
   std::size_t tests = 0;     // work done to find the contacts; see Budget
 };
+
+// Of the pairs of both.
+inline Overlap combined(Overlap x, const Overlap& y) {
+  x.worst = std::max(x.worst, y.worst);
+  x.energy += y.energy;
+  x.pairs += y.pairs;
+  x.touching += y.touching;
+  x.tests += y.tests;
+  return x;
+}
 
 // Additional distance between surfaces, for contacts that are known to be missed.
 struct Margins {

@@ -96,14 +96,7 @@ Overlap Relaxation::find_sphere_contacts(const Work& work) {
         }
         return part;
       },
-      [](Overlap x, const Overlap& y) {
-        x.worst = std::max(x.worst, y.worst);
-        x.energy += y.energy;
-        x.pairs += y.pairs;
-        x.touching += y.touching;
-        x.tests += y.tests;
-        return x;
-      });
+      combined);
   sum.energy *= 0.5;
   sum.pairs /= 2;
   sum.touching /= 2;
