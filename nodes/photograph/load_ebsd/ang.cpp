@@ -88,17 +88,11 @@ EbsdMap read_ang(std::string_view text, const std::string& file, std::uint64_t m
   Lines lines(text, file);
   const AngHeader header = read_ang_header(lines);
   PointReader reader(header, lines);
-  PointList points;
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  while (lines.next(line)) {
-    split(line, cells);
-    if (cells.empty()) continue;
+  const PointList points = read_points(lines, [&](const std::vector<std::string_view>& cells, PointList& to) {
     if (cells[0].starts_with('#'))
       lines.malformed("a line of a header below points; a file may have one map");
-    reader.read(cells, points);
-  }
-  if (points.points.empty()) lines.unreadable("it has no points", "export the map again, with its points");
+    reader.read(cells, to);
+  });
   std::vector<Phase> phases;
   for (const auto& entry : header.phases) phases.push_back(entry.second);
   const Grid grid = find_grid(points, header.grid, memory, lines);

@@ -122,12 +122,7 @@ EbsdMap read_ctf(std::string_view text, const std::string& file, std::uint64_t m
   const std::size_t at[] = {h.columns["Phase"],  h.columns["Euler1"], h.columns["Euler2"],
                             h.columns["Euler3"], optional("BC"),      optional("MAD")};
   const std::size_t x = h.columns["X"], y = h.columns["Y"];
-  PointList points;
-  std::string_view line;
-  std::vector<std::string_view> cells;
-  while (lines.next(line)) {
-    split(line, cells);
-    if (cells.empty()) continue;
+  const PointList points = read_points(lines, [&](const std::vector<std::string_view>& cells, PointList& to) {
     if (cells[0] == "Channel") lines.malformed("a second header; a file may have one map");
     double v[6] = {};
     for (std::size_t i = 0; i < 6; ++i) {
@@ -138,9 +133,8 @@ EbsdMap read_ctf(std::string_view text, const std::string& file, std::uint64_t m
       if (!n) lines.malformed(fmt::format("'{}' is not a number", printable(cells[at[i]])));
       v[i] = *n;
     }
-    points.add(read_point(v, h.phases.size(), lines), cells[x], cells[y], 1, lines);
-  }
-  if (points.points.empty()) lines.unreadable("it has no points", "export the map again, with its points");
+    to.add(read_point(v, h.phases.size(), lines), cells[x], cells[y], 1, lines);
+  });
   const Grid grid = find_grid(points, h.grid, memory, lines);
   return rasterize(grid, points, std::move(h.phases), memory, lines);
 }

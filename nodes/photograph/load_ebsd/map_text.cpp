@@ -77,4 +77,17 @@ void PointList::add(const MapPoint& point, std::string_view x_cell, std::string_
   line.push_back(lines.number());
 }
 
+PointList read_points(
+    Lines& lines, const std::function<void(const std::vector<std::string_view>& cells, PointList&)>& add) {
+  PointList points;
+  std::string_view line;
+  std::vector<std::string_view> cells;
+  while (lines.next(line)) {
+    split(line, cells);
+    if (!cells.empty()) add(cells, points);
+  }
+  if (points.points.empty()) lines.unreadable("it has no points", "export the map again, with its points");
+  return points;
+}
+
 }  // namespace terrazzo::load_ebsd

@@ -1,6 +1,7 @@
 // What the readers of both formats share: lines, numbers and points.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -67,5 +68,10 @@ struct PointList {
 
   void add(const MapPoint&, std::string_view x, std::string_view y, double unit, const Lines&);
 };
+
+// The points of the lines that follow: `add` gets the cells of each line that is not blank. Throws Error
+// "unreadable-file" if there is no point.
+PointList read_points(Lines&,
+                      const std::function<void(const std::vector<std::string_view>& cells, PointList&)>& add);
 
 }  // namespace terrazzo::load_ebsd
