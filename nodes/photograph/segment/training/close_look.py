@@ -5,7 +5,6 @@ Training continues from its checkpoint. Writes WORK/close_look.onnx, and to WORK
 import argparse
 import copy
 import pathlib
-import signal
 import time
 
 import numpy as np
@@ -13,7 +12,7 @@ import torch
 from torch import nn
 from torch.nn import functional
 
-from schedule import multiplies_bfloat16, rate_at, save_checkpoint, update_mean
+from schedule import descend, interrupts, load_checkpoint, multiplies_bfloat16, parsed, rate_at, save_checkpoint, update_mean
 
 SIDE, PLANES = 48, 10
 LEAST = 0.2  # overlap: what hardly shares anything with a particle teaches no outline
@@ -115,15 +114,7 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("files", type=pathlib.Path, nargs="+")
     p.add_argument("--work", type=pathlib.Path, required=True)
-    p.add_argument("--steps", type=int, default=7000)
-    p.add_argument("--batch", type=int, default=64)
-    p.add_argument("--rate", type=float, default=3e-3)
-    p.add_argument("--seed", type=int, default=1)
-    p.add_argument("--threads", type=int, default=2)
-    a = p.parse_args()
-    torch.set_num_threads(a.threads)
-    torch.manual_seed(a.seed)
-    a.work.mkdir(parents=True, exist_ok=True)
+    a = parsed(p, steps=7000, batch=64, rate=3e-3)
     files = [np.memmap(f, RECORD, "r") for f in a.files]
     last = len(files[-1]) // 12  # held back: the end of the last file, whose pictures are in no other part
     near = [f[f["overlap"] > LEAST] for f in (*files[:-1], files[-1][:-last], files[-1][-last:])]
@@ -136,29 +127,19 @@ def main():
     half = multiplies_bfloat16()
     step, seconds, checkpoint, log = 0, 0.0, a.work / "checkpoint.pt", a.work / "log.csv"
     if checkpoint.exists():
-        state = torch.load(checkpoint)
-        network.load_state_dict(state["network"]), average.load_state_dict(state["average"])
-        optimizer.load_state_dict(state["optimizer"])
-        step, seconds = state["step"], state["seconds"]
+        step, seconds = load_checkpoint(checkpoint, network, average, optimizer)
     else:
         log.write_text("step,seconds,rate,loss,held_back,overlap_before,overlap_after\n")
-    stop = []
-    signal.signal(signal.SIGINT, lambda *_: stop.append(1))
-    signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
+    stop = interrupts()
     started, losses = time.time() - seconds, []
     while step < a.steps and not stop:
         random = np.random.default_rng([a.seed, step])
         x, mask, _ = batch_of(training, random.choice(len(training), a.batch), random, True)
         rate = rate_at(step, a.steps, a.rate)
-        for group in optimizer.param_groups:
-            group["lr"] = rate
-        optimizer.zero_grad()
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
             out = network(x.contiguous(memory_format=torch.channels_last))
         loss = functional.binary_cross_entropy_with_logits(out.float()[:, 0], mask)
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
-        optimizer.step()
+        descend(network, optimizer, loss, rate)
         losses.append(float(loss))
         step += 1
         update_mean(average, network, step)
@@ -169,8 +150,7 @@ def main():
             with log.open("a") as f:
                 f.write(line + "\n")
             print(line, flush=True)
-            save_checkpoint(checkpoint, {"network": network.state_dict(), "average": average.state_dict(),
-                                         "optimizer": optimizer.state_dict(), "step": step, "seconds": seconds})
+            save_checkpoint(checkpoint, network, average, optimizer, step, seconds)
             export(average, a.work / "close_look.onnx")
     if stop:
         raise SystemExit(130)

@@ -1,7 +1,31 @@
-"""What the trainings of both convolutional networks share: the rate, the running mean of the weights, and the precision."""
+"""What the trainings of both convolutional networks share: options, the steps, the running mean of the weights, the checkpoint
+and the precision."""
 import pathlib
+import signal
 
 import torch
+
+
+def parsed(p, steps, batch, rate):
+    """The arguments with those that both trainings have, which take effect."""
+    p.add_argument("--steps", type=int, default=steps)
+    p.add_argument("--batch", type=int, default=batch)
+    p.add_argument("--rate", type=float, default=rate)
+    p.add_argument("--seed", type=int, default=1)
+    p.add_argument("--threads", type=int, default=2)
+    a = p.parse_args()
+    torch.set_num_threads(a.threads)
+    torch.manual_seed(a.seed)
+    a.work.mkdir(parents=True, exist_ok=True)
+    return a
+
+
+def interrupts():
+    """A list that is empty until the process is to end."""
+    stop = []
+    signal.signal(signal.SIGINT, lambda *_: stop.append(1))
+    signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
+    return stop
 
 
 def rate_at(step, steps, rate):
@@ -21,10 +45,31 @@ def update_mean(average, network, step):
                 mean.copy_(now)
 
 
-def save_checkpoint(path, state):
+def descend(network, optimizer, loss, rate):
+    """One step against the gradient of the loss."""
+    for group in optimizer.param_groups:
+        group["lr"] = rate
+    optimizer.zero_grad()
+    loss.backward()
+    torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
+    optimizer.step()
+
+
+def save_checkpoint(path, network, average, optimizer, step, seconds):
     """Replaces the file only when the new one is complete."""
+    state = {"network": network.state_dict(), "average": average.state_dict(), "optimizer": optimizer.state_dict(), "step": step,
+             "seconds": seconds}
     torch.save(state, path.with_suffix(".new"))
     path.with_suffix(".new").replace(path)
+
+
+def load_checkpoint(path, network, average, optimizer):
+    """The step and the seconds of training of a checkpoint, whose state the others take."""
+    state = torch.load(path)
+    network.load_state_dict(state["network"])
+    average.load_state_dict(state["average"])
+    optimizer.load_state_dict(state["optimizer"])
+    return state["step"], state["seconds"]
 
 
 def multiplies_bfloat16():

@@ -7,7 +7,6 @@ line per interval: step, seconds, learning rate, loss on training and on held-ba
 import argparse
 import copy
 import pathlib
-import signal
 import time
 
 import numpy as np
@@ -16,7 +15,7 @@ import torch
 from looks import change_looks
 from network import OUTPUTS, Network
 from pictures import Pictures
-from schedule import multiplies_bfloat16, rate_at, save_checkpoint, update_mean
+from schedule import descend, interrupts, load_checkpoint, multiplies_bfloat16, parsed, rate_at, save_checkpoint, update_mean
 
 
 def loss_of(logits, target):
@@ -63,19 +62,11 @@ def main():
     p = argparse.ArgumentParser()
     p.add_argument("pictures", type=pathlib.Path, help="folder with one folder per run of pictures.yaml")
     p.add_argument("--work", type=pathlib.Path, required=True, help="folder of checkpoint, log and model")
-    p.add_argument("--steps", type=int, default=17600)
     p.add_argument("--until", type=int, help="stop at this step, to go on with more pictures")
     p.add_argument("--start", type=pathlib.Path, help="checkpoint of another training whose weights to start from")
     p.add_argument("--held-back", nargs="*", help="folders that are not trained on; default: the last one")
-    p.add_argument("--batch", type=int, default=6)
     p.add_argument("--size", type=int, default=192)
-    p.add_argument("--rate", type=float, default=2.5e-3)
-    p.add_argument("--seed", type=int, default=1)
-    p.add_argument("--threads", type=int, default=2)
-    a = p.parse_args()
-    torch.set_num_threads(a.threads)
-    torch.manual_seed(a.seed)
-    a.work.mkdir(parents=True, exist_ok=True)
+    a = parsed(p, steps=17600, batch=6, rate=2.5e-3)
 
     folders = sorted((f for f in a.pictures.iterdir() if f.is_dir()), key=lambda f: int(f.name))
     if len(folders) < 2:
@@ -92,11 +83,7 @@ def main():
     step, seconds = 0, 0.0
     checkpoint, log = a.work / "checkpoint.pt", a.work / "log.csv"
     if checkpoint.exists():
-        state = torch.load(checkpoint)
-        network.load_state_dict(state["network"])
-        average.load_state_dict(state["average"])
-        optimizer.load_state_dict(state["optimizer"])
-        step, seconds = state["step"], state["seconds"]
+        step, seconds = load_checkpoint(checkpoint, network, average, optimizer)
     else:
         if a.start:
             weights = torch.load(a.start)["average"]
@@ -105,9 +92,7 @@ def main():
         log.write_text("step,seconds,rate,loss,held_back\n")
         print(sum(w.numel() for w in network.parameters()), "weights", flush=True)
 
-    stop = []
-    signal.signal(signal.SIGINT, lambda *_: stop.append(1))
-    signal.signal(signal.SIGTERM, lambda *_: stop.append(1))
+    stop = interrupts()
     started, losses = time.time() - seconds, []
     network.train()
     last = min(a.steps, a.until or a.steps)
@@ -116,13 +101,8 @@ def main():
         x, target = batch_of(training, random, a.batch, a.size)
         x = change_looks(x, random)
         rate = rate_at(step, a.steps, a.rate)
-        for group in optimizer.param_groups:
-            group["lr"] = rate
-        optimizer.zero_grad()
         loss = loss_of(logits_of(network, x, half), target)
-        loss.backward()
-        torch.nn.utils.clip_grad_norm_(network.parameters(), 5.0)
-        optimizer.step()
+        descend(network, optimizer, loss, rate)
         losses.append(float(loss))
         step += 1
         update_mean(average, network, step)
@@ -133,8 +113,7 @@ def main():
             with log.open("a") as f:
                 f.write(line + "\n")
             print(line, f"# {seconds / step * (a.steps - step) / 60:.0f} minutes left", flush=True)
-            save_checkpoint(checkpoint, {"network": network.state_dict(), "average": average.state_dict(),
-                                         "optimizer": optimizer.state_dict(), "step": step, "seconds": seconds})
+            save_checkpoint(checkpoint, network, average, optimizer, step, seconds)
             export(average, a.work / "segment.onnx")
     if stop:
         raise SystemExit(130)
