@@ -89,6 +89,15 @@ void compute(Context& c) {
   const std::string name = c.text("kind");
   const double size = c.number("size");
   Shapes shapes;
+  const auto add_stones = [&](auto options, const auto& mesh_of, bool smooth) {
+    const auto count = c.integer("count");
+    for (std::int64_t i = 0; i < count; ++i) {
+      const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
+      options.item = i;
+      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
+                                    {mesh_of(options, part), {}, smooth}, size, 1.0 / count, part));
+    }
+  };
   if (kind == SolidKind::Rock) {
     RockOptions o;
     o.seed = c.seed();
@@ -97,27 +106,14 @@ void compute(Context& c) {
     o.chips = c.integer("chips");
     o.roughness = c.number("roughness");
     o.detail = c.integer("detail");
-    const auto count = c.integer("count");
-    for (std::int64_t i = 0; i < count; ++i) {
-      const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
-      o.item = i;
-      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
-                                    {rock_mesh(o, part), {}, false}, size, 1.0 / count, part));
-    }
+    add_stones(o, rock_mesh, false);
   } else if (is_stone(kind)) {
     StoneOptions o;
     o.kind = kind;
     o.seed = c.seed();
     o.axes = axes_of(c);
     o.detail = c.integer("detail");
-    const auto count = c.integer("count");
-    for (std::int64_t i = 0; i < count; ++i) {
-      const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
-      o.item = i;
-      shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
-                                    {stone_mesh(o, part), {}, kind != SolidKind::Shard}, size, 1.0 / count,
-                                    part));
-    }
+    add_stones(o, stone_mesh, kind != SolidKind::Shard);
   } else {
     shapes.shapes.push_back(sized(name, solid(c, kind), size, 1, c.work()));
   }
