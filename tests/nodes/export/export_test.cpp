@@ -12,6 +12,7 @@
 #include "nodes/export/formats/csv.h"
 #include "nodes/export/formats/picture_file.h"
 #include "tests/nodes/export/export_support.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -23,12 +24,7 @@ using test::run_node;
 using Inputs = std::multimap<std::string, Value>;
 
 std::string failure(const Inputs& inputs, const std::string& path, const fs::path& folder) {
-  try {
-    run_node("Export", inputs, {{"path", path}}, folder);
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
+  return test::code_of([&] { run_node("Export", inputs, {{"path", path}}, folder); });
 }
 
 TEST(Export, EveryFormatHasAWriterAndAnExtensionOfItsOwn) {

@@ -226,13 +226,8 @@ TEST(ExportGltf, TheSameParticlesGiveTheSameFile) {
 
 TEST(ExportGltf, RefusesWhatCannotBeShown) {
   const fs::path file = test::temporary_folder() / "p.glb";
-  const auto code = [&](const Particles& p, const Shapes& s) -> std::string {
-    try {
-      write_glb(file, p, s);
-    } catch (const Error& e) {
-      return e.diagnostic().code;
-    }
-    return "";
+  const auto code = [&](const Particles& p, const Shapes& s) {
+    return test::code_of([&] { write_glb(file, p, s); });
   };
   const Shapes shapes = test::two_shapes();
   EXPECT_EQ(code(Particles(), shapes), "no-particles");

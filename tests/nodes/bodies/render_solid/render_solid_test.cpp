@@ -8,6 +8,7 @@
 #include "nodes/bodies/render_solid/sampler.h"
 #include "nodes/bodies/render_solid/tone.h"
 #include "nodes/data/volume.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -103,12 +104,7 @@ Vec3f pixel_of(const Image& image, const Camera& camera, const Vec3f& point) {
 std::string failure(const std::multimap<std::string, Value>& inputs,
                     std::map<std::string, std::string> parameters = {}) {
   parameters.insert({{"width", "16"}, {"height", "16"}, {"samples", "1"}});
-  try {
-    run_node("RenderSolid", inputs, parameters);
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
+  return test::code_of([&] { run_node("RenderSolid", inputs, parameters); });
 }
 
 TEST(RenderSolid, AConvexBodyInAFurnaceShowsItsAlbedo) {

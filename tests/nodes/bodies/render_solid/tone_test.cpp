@@ -9,11 +9,11 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/data/shapes.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-using namespace carving;
 using namespace render_solid;
 
 Image one(const Vec3f& v) {
@@ -29,12 +29,7 @@ Vec3f shown(const Tone& tone, const Vec3f& v) {
 }
 
 std::string failure(ToneKind kind, const std::string& view = "") {
-  try {
-    const Tone tone(kind, view);
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "";
+  return test::code_of([&] { const Tone tone(kind, view); });
 }
 
 // Sets $OCIO for its lifetime.

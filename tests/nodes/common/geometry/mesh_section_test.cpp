@@ -12,6 +12,7 @@
 #include "nodes/common/stereology/profile_sweep.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "runtime/random.h"
+#include "tests/support/code_of.h"
 
 namespace terrazzo {
 namespace {
@@ -313,14 +314,7 @@ TEST(MeasureShape, CentersAndRefuses) {
   const Shape s = measure_shape("cube", unit_cube(), 0.5);
   EXPECT_NEAR(mesh_centroid(s.mesh).norm(), 0, 1e-12);
   EXPECT_EQ(s.probability, 0.5);
-  const auto code = [](Mesh m) -> std::string {
-    try {
-      measure_shape("bad", std::move(m));
-    } catch (const Error& e) {
-      return e.diagnostic().code;
-    }
-    return "none";
-  };
+  const auto code = [](Mesh m) { return test::code_of([&] { measure_shape("bad", std::move(m)); }); };
   Mesh m = unit_cube();
   m.triangles.pop_back();
   EXPECT_EQ(code(m), "open-mesh");

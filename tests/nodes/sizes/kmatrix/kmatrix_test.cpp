@@ -14,6 +14,7 @@
 #include "nodes/shapes/shape/solids.h"
 #include "nodes/sizes/kmatrix/make_kmatrix.h"
 #include "nodes/sizes/kmatrix/section_statistics.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -172,13 +173,8 @@ TEST(KMatrix, ProbabilitiesAreNormalized) {
 }
 
 TEST(KMatrix, RefusesWhatItCannotCut) {
-  const auto code = [](const Shapes& s, const KMatrixOptions& o = {}) -> std::string {
-    try {
-      make_kmatrix(s, o);
-    } catch (const Error& e) {
-      return e.diagnostic().code;
-    }
-    return "none";
+  const auto code = [](const Shapes& s, const KMatrixOptions& o = {}) {
+    return test::code_of([&] { make_kmatrix(s, o); });
   };
   EXPECT_EQ(code({}), "no-shapes");
   const Shape good = measure_shape("cube", cube());

@@ -13,10 +13,12 @@
 #include "nodes/solids/synthesis/whole/measures.h"
 #include "runtime/random.h"
 #include "tests/nodes/solids/solid_optimize/exemplars.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using test::code_of;
 using namespace test;
 
 // Upright stripes, like grain.
@@ -37,15 +39,6 @@ test::NodeRun solid(const Image& exemplar, Parameters p = {}, int threads = 0) {
   p.try_emplace("size", "32");
   p.try_emplace("iterations", "[6, 3]");
   return test::run_node("SolidOptimize", {{"exemplar", Value::of<Image>(exemplar)}}, p, {}, threads);
-}
-
-std::string code_of(const std::function<void()>& f) {
-  try {
-    f();
-  } catch (const Error& e) {
-    return e.diagnostic().code;
-  }
-  return "none";
 }
 
 const openvdb::Vec3SGrid& colors(const test::NodeRun& r) {

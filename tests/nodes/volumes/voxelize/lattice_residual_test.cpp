@@ -8,6 +8,7 @@
 #include "nodes/data/volume.h"
 #include "nodes/volumes/voxelize/voxelize.h"
 #include "tests/nodes/volumes/voxelize/bodies.h"
+#include "tests/support/code_of.h"
 
 namespace terrazzo {
 namespace {
@@ -182,14 +183,7 @@ TEST(LatticeResidual, DarkParticlesStayDark) {
 
 TEST(LatticeResidual, BadResidualsAreSaid) {
   const Lattice l{Vec3i::Constant(8), 0.1};
-  const auto code = [&](Volume v) -> std::string {
-    try {
-      LatticeResidual d(v, l, {});
-    } catch (const Error& e) {
-      return e.diagnostic().code;
-    }
-    return "";
-  };
+  const auto code = [&](Volume v) { return test::code_of([&] { LatticeResidual d(v, l, {}); }); };
   EXPECT_EQ(code({}), "no-residual");
   Volume v = noise(4, 0.1);
   v.resolution = Vec3i::Zero();
