@@ -7,11 +7,11 @@
 
 #include "graph/graph.h"
 #include "tests/support/arithmetic.h"
-#include "tests/support/with.h"
+#include "tests/support/replaced.h"
 
 namespace terrazzo {
 namespace {
-using test::with;
+using test::replaced;
 
 RawDocument document_of(const std::string& text) {
   Diagnostics found;
@@ -53,9 +53,9 @@ TEST(WriteDocument, WritesOnlyWhatChanged) {
   node.name = "c";
   node.type = "Constant";
   doc.nodes.push_back(node);
-  EXPECT_EQ(write_document(doc, kText),
-            with(with(with(kText, "default: 3", "default: 4"), "\"${second}\"}  # with a comment", "7}"),
-                 "outputs:", "  c:\n    type: Constant\noutputs:"));
+  EXPECT_EQ(write_document(doc, kText), replaced(replaced(replaced(kText, "default: 3", "default: 4"),
+                                                          "\"${second}\"}  # with a comment", "7}"),
+                                                 "outputs:", "  c:\n    type: Constant\noutputs:"));
   doc = document_of(kText);
   doc.nodes.erase(doc.nodes.begin());
   doc.outputs.clear();

@@ -1,4 +1,4 @@
-// Expected texts that differ from a known one in a passage.
+// Texts that differ from a known one in a passage.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -8,10 +8,11 @@
 namespace terrazzo::test {
 
 // The text with the first `from` replaced by `to`. Fails if there is none.
-inline std::string with(std::string text, const std::string& from, const std::string& to) {
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from;
-  return text.replace(at, from.size(), to);
+  EXPECT_NE(at, std::string::npos) << from << " is not in " << text;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  return text;
 }
 
 }  // namespace terrazzo::test

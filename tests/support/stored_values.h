@@ -1,8 +1,6 @@
 // Helpers of the tests of readers of values.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -27,14 +25,6 @@ std::string exported_json(const T& v) {
   const auto folder = temporary_folder();
   run_node("Export", {{"value", Value::of(v)}}, {{"path", "a.json"}}, folder);
   return (folder / "a.json").string();
-}
-
-// The text with the first `from` replaced by `to`.
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const auto at = text.find(from);
-  EXPECT_NE(at, std::string::npos) << from << " is not in " << text;
-  if (at != std::string::npos) text.replace(at, from.size(), to);
-  return text;
 }
 
 }  // namespace terrazzo::test

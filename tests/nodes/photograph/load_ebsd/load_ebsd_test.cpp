@@ -10,10 +10,12 @@
 #include "tests/nodes/photograph/load_ebsd/sample_map.h"
 #include "tests/support/code_of.h"
 #include "tests/support/program.h"
+#include "tests/support/replaced.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
+using test::replaced;
 using namespace load_ebsd;
 using enum LaueGroup;
 
@@ -169,12 +171,6 @@ TEST(LoadEBSD, HexagonalGridsBecomePixels) {
       if (std::abs(at - 10.75) <= 0.9) continue;
       EXPECT_EQ(g.labels.ids[static_cast<std::size_t>(y * map.width + x)], at < 10.75 ? 1 : 2) << x;
     }
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& with) {
-  const auto at = text.find(what);
-  EXPECT_NE(at, std::string::npos) << what;
-  return text.replace(at, what.size(), with);
 }
 
 TEST(LoadEBSD, DamagedFilesAreErrors) {

@@ -1,8 +1,11 @@
+#include <gtest/gtest.h>
+
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/export/formats/shapes_json.h"
 #include "nodes/shapes/load_shapes/read_shapes.h"
 #include "runtime/json_text.h"
 #include "tests/support/code_of.h"
+#include "tests/support/replaced.h"
 #include "tests/support/stored_values.h"
 
 namespace terrazzo {

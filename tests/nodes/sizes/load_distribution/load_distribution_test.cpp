@@ -1,6 +1,9 @@
+#include <gtest/gtest.h>
+
 #include "nodes/sizes/load_distribution/read_distribution.h"
 #include "runtime/json_text.h"
 #include "tests/support/code_of.h"
+#include "tests/support/replaced.h"
 #include "tests/support/stored_values.h"
 
 namespace terrazzo {
