@@ -5,15 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/random.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo {
 namespace {
-
-std::vector<char> encoded(const Volume& v) {
-  BufferWriter w;
-  value_type<Volume>().encode(&v, w);
-  return w.buffer;
-}
 
 std::shared_ptr<const Volume> decoded(const std::vector<char>& bytes) {
   Reader r(bytes.data(), bytes.size());
@@ -59,11 +54,11 @@ Volume sample(int voxels = 300) {
 
 TEST(Volume, ComesBackWhole) {
   const Volume v = sample();
-  const auto bytes = encoded(v);
+  const auto bytes = test::bytes_of(v);
   const auto back = decoded(bytes);
   ASSERT_EQ(back->grids.size(), v.grids.size());
   EXPECT_EQ(back->resolution, v.resolution);
-  EXPECT_EQ(encoded(*back), bytes);
+  EXPECT_EQ(test::bytes_of(*back), bytes);
   const auto a = v.find<openvdb::FloatGrid>("density"), b = back->find<openvdb::FloatGrid>("density");
   EXPECT_EQ(a->activeVoxelCount(), b->activeVoxelCount());
   for (auto it = a->cbeginValueOn(); it; ++it) ASSERT_EQ(b->tree().getValue(it.getCoord()), *it);
@@ -81,15 +76,14 @@ TEST(Volume, EqualVoxelsGiveEqualBytesWhateverTheTree) {
     for (int j = 0; j < 16; ++j)
       for (int k = 0; k < 16; ++k) by_voxel->tree().setValueOn({i, j, k}, 1.0f);
   by_voxel->tree().touchLeaf({5000, 0, 0});  // a leaf with only background values
-  a.grids = {fill};
-  b.grids = {by_voxel};
-  EXPECT_EQ(encoded(a), encoded(b));
+  a.grids = {fill}, b.grids = {by_voxel};
+  EXPECT_EQ(test::bytes_of(a), test::bytes_of(b));
   by_voxel->tree().setValueOff({3, 3, 3});  // the value remains, the state changes
-  EXPECT_NE(encoded(a), encoded(b));
+  EXPECT_NE(test::bytes_of(a), test::bytes_of(b));
 }
 
 TEST(Volume, DamagedBytesAreAnErrorOrAnotherVolume) {
-  const auto whole = encoded(sample(20));
+  const auto whole = test::bytes_of(sample(20));
   std::size_t refused = 0;
   for (std::uint64_t trial = 0; trial < 200; ++trial) {
     auto bytes = whole;

@@ -5,10 +5,10 @@
 
 #include <sstream>
 
-#include "runtime/codec.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/run_node.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo::test {
 namespace fs = std::filesystem;
@@ -26,12 +26,6 @@ inline fs::path exported(const std::string& name, Inputs inputs, Parameters para
 inline Volume loaded(const fs::path& file, Parameters parameters = {}) {
   parameters["path"] = file.string();
   return run_node("LoadVolume", {}, parameters).output<Volume>("volume");
-}
-
-inline std::vector<char> bytes_of(const Volume& v) {
-  BufferWriter w;
-  value_type<Volume>().encode(&v, w);
-  return w.buffer;
 }
 
 template <class Grid>

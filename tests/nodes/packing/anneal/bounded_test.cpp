@@ -12,7 +12,7 @@ namespace terrazzo {
 namespace {
 
 using namespace packing;
-using test::bytes;
+using test::bytes_of;
 using test::error_of;
 
 Mesh needle() {
@@ -37,12 +37,17 @@ Reachable estimate(const Shapes& shapes, double requested, std::int64_t count) {
   return try_sample(population, shapes, contact, options);
 }
 
-// The volume fraction that the particles reach if they are packed without an estimate, because they are few.
-double shrunk(const Shapes& shapes, std::int64_t count) {
+PackOptions jammed_options(std::int64_t count, OnJam on_jam, int iterations) {
   PackOptions o;
   o.population.count = count;
-  o.on_jam = OnJam::Shrink;
-  o.iterations = 1500;
+  o.on_jam = on_jam;
+  o.iterations = iterations;
+  return o;
+}
+
+// The volume fraction that the particles reach if they are packed without an estimate, because they are few.
+double shrunk(const Shapes& shapes, std::int64_t count) {
+  const PackOptions o = jammed_options(count, OnJam::Shrink, 1500);
   return volume_fraction(
       shapes, pack_particles(test::distribution(shapes, 1, 1.2, 0.9), shapes, nullptr, o).particles);
 }
@@ -73,10 +78,7 @@ TEST(AnnealBounds, FewParticlesHaveNoEstimate) {
 TEST(AnnealBounds, ShrinkAimsBelowTheEstimate) {
   const auto shapes = test::shapes_of({test::cube()});
   const auto d = test::distribution(shapes, 1, 1.3, 0.9);
-  PackOptions o;
-  o.population.count = 600;
-  o.on_jam = OnJam::Shrink;
-  o.iterations = 1200;
+  const PackOptions o = jammed_options(600, OnJam::Shrink, 1200);
   const PackResult r = pack_particles(d, shapes, nullptr, o);
   EXPECT_EQ(r.max_penetration, 0);
   EXPECT_GT(r.reachable, 0.55);
@@ -90,10 +92,7 @@ TEST(AnnealBounds, ShrinkAimsBelowTheEstimate) {
 TEST(AnnealBounds, DropLeavesOutDownToTheEstimate) {
   const auto shapes = test::shapes_of({test::cube()});
   const auto d = test::distribution(shapes, 1, 2, 0.9);
-  PackOptions o;
-  o.population.count = 600;
-  o.on_jam = OnJam::Drop;
-  o.iterations = 1200;
+  const PackOptions o = jammed_options(600, OnJam::Drop, 1200);
   const PackResult r = pack_particles(d, shapes, nullptr, o);
   EXPECT_EQ(r.max_penetration, 0);
   EXPECT_EQ(r.shrink, 1);
@@ -152,9 +151,9 @@ TEST(AnnealBounds, SameBitsForAnyNumberOfThreads) {
   for (const std::string on_jam : {"shrink", "drop"}) {
     const std::map<std::string, std::string> parameters{
         {"count", "600"}, {"on_jam", on_jam}, {"iterations", "120"}};
-    const auto one = bytes(test::pack(shapes, d, parameters, 1).output<Particles>("particles"));
+    const auto one = bytes_of(test::pack(shapes, d, parameters, 1).output<Particles>("particles"));
     for (const int threads : {2, 7})
-      EXPECT_EQ(one, bytes(test::pack(shapes, d, parameters, threads).output<Particles>("particles")));
+      EXPECT_EQ(one, bytes_of(test::pack(shapes, d, parameters, threads).output<Particles>("particles")));
   }
 }
 

@@ -10,9 +10,9 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/rigid/statistics.h"
-#include "runtime/codec.h"
 #include "tests/nodes/packing/anneal/brute_force.h"
 #include "tests/support/run_node.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo::test {
 
@@ -23,12 +23,6 @@ inline NodeRun pack(const Shapes& shapes, const SizeDistribution& d,
                                            {"distribution", Value::of<SizeDistribution>(d)}};
   if (start) inputs.emplace("start", Value::of<Particles>(*start));
   return run_node("Anneal", inputs, parameters, {}, threads);
-}
-
-inline std::vector<char> bytes(const Particles& p) {
-  BufferWriter w;
-  value_type<Particles>().encode(&p, w);
-  return w.buffer;
 }
 
 inline std::string error_of(const std::function<void()>& f) {

@@ -12,7 +12,7 @@
 namespace terrazzo {
 namespace {
 
-using test::bytes;
+using test::bytes_of;
 using test::error_of;
 using test::pack;
 using test::brute::overlaps;
@@ -104,7 +104,7 @@ TEST(Anneal, StartIsKeptAsItIs) {
   const auto& p = first.output<Particles>("particles");
   const auto again = pack(shapes, d, {{"size", "9"}, {"seed", "5"}}, 2, &p);
   EXPECT_EQ(again.metrics.at("kept"), static_cast<double>(p.count()));
-  EXPECT_EQ(bytes(p), bytes(again.output<Particles>("particles")));
+  EXPECT_EQ(bytes_of(p), bytes_of(again.output<Particles>("particles")));
 
   auto more = d;
   more.shapes[0].N_V[0] *= 1.5;

@@ -14,7 +14,7 @@
 namespace terrazzo {
 namespace {
 
-using test::bytes;
+using test::bytes_of;
 using test::pack;
 
 TEST(Anneal, StopsWhenCancelled) {
@@ -58,18 +58,19 @@ TEST(Anneal, SameBitsForAnyNumberOfThreads) {
   const auto shapes = test::shapes_of({test::peanut(2), test::cube()});
   const auto d = test::distribution(shapes, 1, 2, 0.45);
   const std::map<std::string, std::string> parameters{{"count", "120"}, {"seed", "7"}};
-  const auto one = bytes(pack(shapes, d, parameters, 1).output<Particles>("particles"));
-  EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 2).output<Particles>("particles")));
-  EXPECT_EQ(one, bytes(pack(shapes, d, parameters, 7).output<Particles>("particles")));
-  EXPECT_NE(one, bytes(pack(shapes, d, {{"count", "120"}, {"seed", "8"}}, 1).output<Particles>("particles")));
+  const auto one = bytes_of(pack(shapes, d, parameters, 1).output<Particles>("particles"));
+  EXPECT_EQ(one, bytes_of(pack(shapes, d, parameters, 2).output<Particles>("particles")));
+  EXPECT_EQ(one, bytes_of(pack(shapes, d, parameters, 7).output<Particles>("particles")));
+  EXPECT_NE(one,
+            bytes_of(pack(shapes, d, {{"count", "120"}, {"seed", "8"}}, 1).output<Particles>("particles")));
 }
 
 TEST(Anneal, SameBitsOfDenseSpheresForAnyNumberOfThreads) {
   const auto shapes = test::shapes_of({test::icosphere(2)});
   const auto d = test::distribution(shapes, 1, 1.2, 0.58);
-  const auto one = bytes(pack(shapes, d, {{"count", "300"}}, 1).output<Particles>("particles"));
+  const auto one = bytes_of(pack(shapes, d, {{"count", "300"}}, 1).output<Particles>("particles"));
   for (const int threads : {2, 7})
-    EXPECT_EQ(one, bytes(pack(shapes, d, {{"count", "300"}}, threads).output<Particles>("particles")));
+    EXPECT_EQ(one, bytes_of(pack(shapes, d, {{"count", "300"}}, threads).output<Particles>("particles")));
 }
 
 TEST(Anneal, SpatialOrderKeepsNeighborsTogether) {
@@ -109,7 +110,7 @@ TEST(Anneal, ManyComeOutInTheirOrder) {
   for (const Vec3& x : p.position)
     ++octant[(x[0] * 2 > p.box[0]) + 2 * (x[1] * 2 > p.box[1]) + 4 * (x[2] * 2 > p.box[2])];
   for (const int n : octant) EXPECT_NEAR(n, p.count() / 8.0, 400);
-  EXPECT_EQ(bytes(p), bytes(pack(shapes, d, parameters, 1).output<Particles>("particles")));
+  EXPECT_EQ(bytes_of(p), bytes_of(pack(shapes, d, parameters, 1).output<Particles>("particles")));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "runtime/json_text.h"
 #include "tests/nodes/packing/load_particles/particles_support.h"
 #include "tests/support/code_of.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo {
 namespace {
@@ -29,12 +30,12 @@ Particles written(const Particles& p) {
 
 TEST(LoadParticles, ReadsWhatExportWroteBitForBit) {
   const Particles p = test::awkward_particles();
-  EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(exported(p)), test::bytes_of(p));
 }
 
 TEST(LoadParticles, ReadsWhatAnInterruptedPackingWroteBitForBit) {
   const Particles p = test::awkward_particles();
-  EXPECT_EQ(test::encoded(written(p)), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(written(p)), test::bytes_of(p));
 }
 
 TEST(LoadParticles, BothWritersWriteTheSameFields) {
@@ -47,19 +48,18 @@ TEST(LoadParticles, BothWritersWriteTheSameFields) {
 
 TEST(LoadParticles, ReadsABoxWithoutParticles) {
   Particles p;
-  EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
-  p.box = Vec3(1, 2, 3);
-  p.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
-  EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
-  EXPECT_EQ(test::encoded(written(p)), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(exported(p)), test::bytes_of(p));
+  p.box = Vec3(1, 2, 3), p.binder_color = Vec3f(0.1f, 0.2f, 0.3f);
+  EXPECT_EQ(test::bytes_of(exported(p)), test::bytes_of(p));
+  EXPECT_EQ(test::bytes_of(written(p)), test::bytes_of(p));
 }
 
 TEST(LoadParticles, AListOfVoidsWithoutAnyIsNone) {
   Particles p = test::awkward_particles();
   p.voids = {0, 0, 0};
-  EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(exported(p)), test::bytes_of(p));
   p.voids.clear();
-  EXPECT_EQ(test::encoded(exported(p)), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(exported(p)), test::bytes_of(p));
 }
 
 TEST(LoadParticles, ReadsParticlesWrittenWithOtherValues) {
@@ -68,7 +68,7 @@ TEST(LoadParticles, ReadsParticlesWrittenWithOtherValues) {
   const auto folder = test::temporary_folder();
   test::run_node("Export", {{"particles", Value::of<Particles>(p)}, {"table", Value::of<Table>(table)}},
                  {{"path", "both.json"}}, folder);
-  EXPECT_EQ(test::encoded(test::loaded(folder / "both.json")), test::encoded(p));
+  EXPECT_EQ(test::bytes_of(test::loaded(folder / "both.json")), test::bytes_of(p));
 }
 
 TEST(LoadParticles, FillsInWhatMayBeMissing) {

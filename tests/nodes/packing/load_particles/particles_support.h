@@ -7,16 +7,10 @@
 #include <vector>
 
 #include "nodes/data/particles.h"
-#include "runtime/codec.h"
 #include "tests/support/run_node.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo::test {
-
-inline std::vector<char> encoded(const Particles& p) {
-  BufferWriter w;
-  value_type<Particles>().encode(&p, w);
-  return w.buffer;
-}
 
 // Three particles in a box that is no cube, with numbers that text easily changes.
 inline Particles awkward_particles() {

@@ -67,7 +67,7 @@ TEST(FillEffort, TheSameBitsForAnyNumberOfCallsThatEndEarly) {
   stones.options.effort = 1e8;
   const FillResult a = stones.fill(), b = stones.fill();
   EXPECT_GT(a.effort, 1);
-  EXPECT_EQ(test::bytes(a.particles), test::bytes(b.particles));
+  EXPECT_EQ(test::bytes_of(a.particles), test::bytes_of(b.particles));
   EXPECT_EQ(a.effort, b.effort);
 }
 
@@ -166,7 +166,7 @@ TEST(FillEffort, AHandedOverResultCanBeLoaded) {
   const auto file = test::temporary_folder() / "fill.json";
   write_packing_json(file, r.particles, r.shapes);
   const auto particles = test::run_node("LoadParticles", {}, {{"path", file.string()}});
-  EXPECT_EQ(test::bytes(particles.output<Particles>("particles")), test::bytes(r.particles));
+  EXPECT_EQ(test::bytes_of(particles.output<Particles>("particles")), test::bytes_of(r.particles));
   const auto shapes = test::run_node("LoadShapes", {}, {{"path", file.string()}});
   const auto& loaded = shapes.output<Shapes>("shapes").shapes;
   ASSERT_EQ(loaded.size(), r.shapes.shapes.size());

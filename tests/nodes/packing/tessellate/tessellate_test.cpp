@@ -227,8 +227,8 @@ TEST(Tessellate, SameBitsForAnyNumberOfThreads) {
     const auto one = tessellate(0.85, settings, 1);
     for (int threads : {2, 7}) {
       const auto many = tessellate(0.85, settings, threads);
-      EXPECT_EQ(test::bytes(one.output<Particles>("particles")),
-                test::bytes(many.output<Particles>("particles")));
+      EXPECT_EQ(test::bytes_of(one.output<Particles>("particles")),
+                test::bytes_of(many.output<Particles>("particles")));
       for (std::size_t i = 0; i < one.output<Shapes>("shapes").shapes.size(); ++i)
         EXPECT_EQ(one.output<Shapes>("shapes").shapes[i].mesh.vertices,
                   many.output<Shapes>("shapes").shapes[i].mesh.vertices);

@@ -15,15 +15,10 @@
 #include "tests/nodes/solids/solid_optimize/exemplars.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
+#include "tests/support/stored_values.h"
 
 namespace terrazzo {
 namespace {
-
-std::vector<char> bytes_of(const Volume& v) {
-  BufferWriter w;
-  value_type<Volume>().encode(&v, w);
-  return w.buffer;
-}
 
 // Colors and numbers at the voxels from `low` to low + size − 1; large parts have one color.
 Volume block(const Vec3i& low, const Vec3i& size, double voxel = 0.1) {
@@ -90,11 +85,11 @@ TEST(JoinVolumes, SixtyFourBlocksAreTheWholeInAnyOrder) {
   Random random(3);
   for (const int threads : {1, 2, 7}) {
     std::shuffle(blocks.begin(), blocks.end(), random);
-    EXPECT_TRUE(bytes_of(join(blocks, {}, threads)) == bytes_of(whole));
+    EXPECT_TRUE(test::bytes_of(join(blocks, {}, threads)) == test::bytes_of(whole));
   }
   whole.resolution = Vec3i::Zero();
   whole.extent = Vec3i(40, 37, 64);
-  EXPECT_TRUE(bytes_of(join(blocks, {{"periodic", "false"}})) == bytes_of(whole));
+  EXPECT_TRUE(test::bytes_of(join(blocks, {{"periodic", "false"}})) == test::bytes_of(whole));
 }
 
 TEST(JoinVolumes, RandomCutsAreTheWhole) {
@@ -109,7 +104,7 @@ TEST(JoinVolumes, RandomCutsAreTheWhole) {
     }
     Volume whole = block(Vec3i::Zero(), cut.size);
     whole.resolution = cut.size;
-    EXPECT_TRUE(bytes_of(join(cut.blocks())) == bytes_of(whole)) << trial;
+    EXPECT_TRUE(test::bytes_of(join(cut.blocks())) == test::bytes_of(whole)) << trial;
   }
 }
 
@@ -126,7 +121,7 @@ TEST(JoinVolumes, BlocksOfASolidTextureAreTheWhole) {
     blocks.push_back(test::run_node("SolidBlock", {{"base", base.outputs.at("base")}},
                                     {{"blocks", "2"}, {"block", std::to_string(k)}})
                          .output<Volume>("volume"));
-  EXPECT_TRUE(bytes_of(join(blocks)) == bytes_of(whole.output<Volume>("volume")));
+  EXPECT_TRUE(test::bytes_of(join(blocks)) == test::bytes_of(whole.output<Volume>("volume")));
 }
 
 TEST(JoinVolumes, ReadsOneBlockAtATime) {

@@ -36,27 +36,21 @@ Volume ball_volume() {
   return v;
 }
 
-std::vector<char> stored_bytes(const Volume& v) {
-  BufferWriter w;
-  value_type<Volume>().encode(&v, w);
-  return w.buffer;
-}
-
 TEST(VolumeExtent, ComesBackFromTheCache) {
   Volume v = ball_volume();
   v.first = Vec3i(-3, 2, 1);
   v.extent = Vec3i(20, 30, 40);
-  const auto bytes = stored_bytes(v);
+  const auto bytes = test::bytes_of(v);
   Reader r(bytes.data(), bytes.size());
   const auto back = std::static_pointer_cast<const Volume>(value_type<Volume>().decode(r));
   EXPECT_EQ(back->first, v.first);
   EXPECT_EQ(back->extent, v.extent);
   EXPECT_EQ(back->resolution, Vec3i::Zero());
-  EXPECT_EQ(stored_bytes(*back), bytes);
+  EXPECT_EQ(test::bytes_of(*back), bytes);
   EXPECT_EQ(voxels_of(*back), openvdb::CoordBBox(openvdb::Coord(-3, 2, 1), openvdb::Coord(16, 31, 40)));
   Volume unknown = v;
   unknown.extent = unknown.first = Vec3i::Zero();
-  EXPECT_NE(stored_bytes(unknown), bytes);
+  EXPECT_NE(test::bytes_of(unknown), bytes);
   EXPECT_EQ(voxels_of(unknown), v.grids[0]->evalActiveVoxelBoundingBox());
 }
 
