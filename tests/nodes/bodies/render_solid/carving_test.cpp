@@ -15,21 +15,13 @@
 #include "nodes/data/image.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 using namespace carving;
 using namespace render_solid;
-
-Shape cube(double edge) {
-  Mesh m;
-  for (int i = 0; i < 8; ++i)
-    m.vertices.push_back(edge * (Vec3(i & 1, i >> 1 & 1, i >> 2) - Vec3::Constant(0.5)));
-  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return measure_shape("cube", m);
-}
 
 // A few rotated cubes of 2 to 3 mm in a box of 10 × 8 × 12 mm; they may overlap.
 Particles scattered(std::uint64_t seed, int n) {
@@ -51,7 +43,7 @@ Particles scattered(std::uint64_t seed, int n) {
 TEST(Carving, CoordinatesThatCannotBeSquaredAreRefused) {
   for (const double far : {1e16, 1e300, std::numeric_limits<double>::quiet_NaN()}) {
     Shapes shapes;
-    shapes.shapes = {cube(1)};
+    shapes.shapes = {measure_shape("cube", test::cube_mesh())};
     Particles p = scattered(1, 3);
     shapes.shapes[0].mesh.vertices[2].y() = far;
     EXPECT_EQ(test::code_of([&] { ParticleIndex(p, shapes); }), "bad-number") << far;
@@ -60,7 +52,7 @@ TEST(Carving, CoordinatesThatCannotBeSquaredAreRefused) {
 
 TEST(Carving, TheIndexFindsTheParticleThatHoldsAPoint) {
   Shapes shapes;
-  shapes.shapes = {cube(1)};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
     const Particles p = scattered(seed, 12);
     const ParticleIndex index(p, shapes);
@@ -91,7 +83,7 @@ TEST(Carving, TheIndexFindsTheParticleThatHoldsAPoint) {
 
 TEST(Carving, ParticlesPaintRepeatsAndTurns) {
   Shapes shapes;
-  shapes.shapes = {cube(1)};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   const Particles p = scattered(5, 12);
   const auto paint = particle_paint(p, shapes, 2);
   const auto turned = particle_paint(p, shapes, 2, Placement::of(Vec3(0, 0, 90), Vec3(1, 0, 0)));
@@ -144,7 +136,7 @@ TEST(Carving, FormsAreClosedAndStand) {
 // A particle cut by a body's edge shows on both faces: color is a single function of space.
 TEST(Carving, ParticlesContinueAcrossEdges) {
   Shapes shapes;
-  shapes.shapes = {cube(1)};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   const auto paint = particle_paint(scattered(7, 14), shapes);
   const auto solid = block_solid(*paint, 0.5, 0);
   const Vec3f size = paint->period();
@@ -165,7 +157,7 @@ TEST(Carving, ParticlesContinueAcrossEdges) {
 
 TEST(Carving, AFractureKeepsWholeParticlesAndLeavesSockets) {
   Shapes shapes;
-  shapes.shapes = {cube(1)};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   Particles p;
   p.box = Vec3(10, 10, 10);
   p.resize(2);
@@ -216,7 +208,7 @@ TEST(Carving, AcesToneIsNeutralAndRises) {
 
 TEST(Carving, FramesTurnAndModesRun) {
   Shapes shapes;
-  shapes.shapes = {cube(1)};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   const std::multimap<std::string, Value> in = {{"particles", Value::of(scattered(3, 8))},
                                                 {"shapes", Value::of(shapes)}};
   const std::map<std::string, std::string> small = {{"width", "32"}, {"height", "24"}, {"samples", "2"}};

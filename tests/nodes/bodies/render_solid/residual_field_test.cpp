@@ -12,6 +12,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/volume.h"
 #include "runtime/random.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -43,14 +44,6 @@ Vec3f voxel_of(const Volume& v, int x, int y, int z) {
   const int n = v.resolution.x();
   const auto c = grid->getConstAccessor().getValue({(x % n + n) % n, (y % n + n) % n, (z % n + n) % n});
   return {c[0], c[1], c[2]};
-}
-
-Shape cube() {
-  Mesh m;
-  for (int i = 0; i < 8; ++i) m.vertices.push_back(Vec3(i & 1, i >> 1 & 1, i >> 2) - Vec3::Constant(0.5));
-  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  return measure_shape("cube", m);
 }
 
 TEST(ResidualField, PassesThroughTheVoxelsAndTiles) {
@@ -106,7 +99,7 @@ TEST(ResidualField, HidesThatTheTileRepeats) {
 
 TEST(ResidualField, EveryBodyTakesIt) {
   Shapes shapes;
-  shapes.shapes = {cube()};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   Particles p;
   p.box = Vec3(4, 4, 4);
   p.resize(1);
@@ -144,7 +137,7 @@ TEST(ResidualField, EveryBodyTakesIt) {
 
 TEST(ResidualField, BadInput) {
   Shapes shapes;
-  shapes.shapes = {cube()};
+  shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   Particles p;
   p.box = Vec3(4, 4, 4);
   p.resize(1);

@@ -10,6 +10,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "runtime/random.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -21,12 +22,8 @@ struct Packing {
 };
 
 Packing three_cubes() {
-  Mesh m;
-  for (int i = 0; i < 8; ++i) m.vertices.push_back(Vec3(i & 1, i >> 1 & 1, i >> 2) - Vec3::Constant(0.5));
-  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   Packing p;
-  p.shapes.shapes = {measure_shape("cube", m)};
+  p.shapes.shapes = {measure_shape("cube", test::cube_mesh())};
   p.particles.box = Vec3(12, 10, 8);
   p.particles.resize(3);
   p.particles.position = {Vec3(2, 3, 2), Vec3(7, 7, 4), Vec3(11.5, 5, 6)};

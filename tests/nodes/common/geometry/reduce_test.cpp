@@ -13,6 +13,7 @@
 #include "nodes/shapes/load_mesh/read_mesh.h"
 #include "nodes/shapes/load_mesh/repair.h"
 #include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -26,22 +27,7 @@ Mesh sphere(int cuts) {
   for (const int top : {4, 5})
     for (const auto& [a, b] : {std::pair{0, 2}, {2, 1}, {1, 3}, {3, 0}})
       m.triangles.push_back(top == 4 ? Triangle{a, b, top} : Triangle{b, a, top});
-  for (int k = 0; k < cuts; ++k) {
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-      const auto [it, fresh] = middles.try_emplace(std::minmax(a, b), static_cast<int>(m.vertices.size()));
-      if (fresh) m.vertices.push_back((m.vertices[a] + m.vertices[b]).normalized());
-      return it->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [a, b, c] : m.triangles) {
-      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const Triangle& t : {Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
-        finer.push_back(t);
-    }
-    m.triangles = std::move(finer);
-  }
-  return m;
+  return test::refined_on_sphere(std::move(m), cuts);
 }
 
 TEST(ReduceTriangles, KeepsASphereASphere) {

@@ -8,16 +8,11 @@
 #include "nodes/shapes/shape/rock.h"
 #include "nodes/shapes/shape/solids.h"
 #include "runtime/random.h"
+#include "tests/support/meshes.h"
 
 namespace terrazzo {
 namespace {
 using namespace shape;
-
-Shapes one(Mesh mesh) {
-  Shapes s;
-  s.shapes.push_back(measure_shape("body", std::move(mesh)));
-  return s;
-}
 
 struct Mean {
   double sum = 0, square = 0;
@@ -35,9 +30,9 @@ TEST(RandomSections, MeetTheStereologicalIdentities) {
     o.axes = {1, 0.7, 0.4};
     o.roughness = 0;
     o.chips = 0;
-    const Shapes s = one(body == 0   ? box_mesh({3, 1, 0.5})
-                         : body == 1 ? ellipsoid_mesh({1, 2, 3}, 2)
-                                     : rock_mesh(o));
+    const Shapes s = test::one_shape(body == 0   ? box_mesh({3, 1, 0.5})
+                                     : body == 1 ? ellipsoid_mesh({1, 2, 3}, 2)
+                                                 : rock_mesh(o));
     Mean area, perimeter;
     for (const auto& section : random_sections(s, 6000, {SectionKind::Random, 5, 0})) {
       double a = 0, p = 0;
@@ -56,7 +51,7 @@ TEST(RandomSections, MeetTheStereologicalIdentities) {
 }
 
 TEST(RandomSections, CentralOnesPassTheCentroid) {
-  const Shapes ball = one(ellipsoid_mesh({2, 2, 2}, 3));
+  const Shapes ball = test::one_shape(ellipsoid_mesh({2, 2, 2}, 3));
   for (const auto& section : random_sections(ball, 50, {SectionKind::Central, 1, 0})) {
     ASSERT_EQ(section.size(), 1u);
     EXPECT_NEAR(loop_area(section[0][0]), M_PI, 0.05);
@@ -64,7 +59,7 @@ TEST(RandomSections, CentralOnesPassTheCentroid) {
 }
 
 TEST(RandomSections, LargerBodiesAreMetMoreOften) {
-  Shapes two = one(ellipsoid_mesh({1, 1, 1}, 1));
+  Shapes two = test::one_shape(ellipsoid_mesh({1, 1, 1}, 1));
   two.shapes.push_back(measure_shape("large", ellipsoid_mesh({3, 3, 3}, 1)));
   for (auto& s : two.shapes) s.probability = 0.5;
   int large = 0, central = 0;
@@ -79,7 +74,7 @@ TEST(RandomSections, LargerBodiesAreMetMoreOften) {
 }
 
 TEST(RandomSections, SectionsAreNumberedNotOrdered) {
-  const Shapes s = one(box_mesh({1, 2, 3}));
+  const Shapes s = test::one_shape(box_mesh({1, 2, 3}));
   const auto all = random_sections(s, 40, {SectionKind::Random, 9, 0});
   const auto tail = random_sections(s, 20, {SectionKind::Random, 9, 20});
   for (std::size_t i = 0; i < tail.size(); ++i) EXPECT_EQ(tail[i], all[20 + i]);

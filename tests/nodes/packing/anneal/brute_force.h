@@ -10,6 +10,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
+#include "tests/support/meshes.h"
 
 namespace terrazzo::test {
 
@@ -22,21 +23,7 @@ inline Mesh icosphere(int levels) {
                  {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
                  {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}};
   for (auto& v : m.vertices) v.normalize();
-  for (int l = 0; l < levels; ++l) {
-    std::map<std::pair<int, int>, int> middle;
-    const auto mid = [&](int a, int b) {
-      const auto [it, fresh] = middle.try_emplace(std::minmax(a, b), static_cast<int>(m.vertices.size()));
-      if (fresh) m.vertices.push_back((m.vertices[a] + m.vertices[b]).normalized());
-      return it->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& f : m.triangles) {
-      const int a = mid(f[0], f[1]), b = mid(f[1], f[2]), c = mid(f[2], f[0]);
-      finer.insert(finer.end(), {{f[0], a, c}, {f[1], b, a}, {f[2], c, b}, {a, b, c}});
-    }
-    m.triangles = finer;
-  }
-  return m;
+  return refined_on_sphere(std::move(m), levels);
 }
 
 inline Mesh warped(Mesh m, const std::function<Vec3(const Vec3&)>& f) {

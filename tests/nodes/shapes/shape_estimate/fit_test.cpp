@@ -9,7 +9,6 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/random_sections.h"
-#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shapes/shape/solids.h"
 #include "nodes/shapes/shape/stones.h"
 #include "nodes/shapes/shape_estimate/choose.h"
@@ -22,6 +21,7 @@
 #include "runtime/random.h"
 #include "tests/nodes/shapes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -30,12 +30,6 @@ using namespace shape;
 
 using namespace shape_estimate;
 namespace made = shape_estimate::test;
-
-Shapes one(Mesh mesh) {
-  Shapes s;
-  s.shapes.push_back(measure_shape("body", std::move(mesh)));
-  return s;
-}
 
 Profiles sections_of(const Shapes& s, std::size_t n) {
   std::vector<made::Contour> contours;
@@ -72,7 +66,7 @@ TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
 
 // The means over evenly spread sections satisfy the identities of stereology.
 TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
-  const Shapes s = one(box_mesh({3, 1, 0.5}));
+  const Shapes s = test::one_shape(box_mesh({3, 1, 0.5}));
   const auto sample = measured(cut_sections(s.shapes[0].mesh, 2000), {});
   double area = 0;
   for (std::size_t i = 0; i < sample.weight.size(); ++i)
@@ -81,7 +75,7 @@ TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
 }
 
 TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
-  const Shapes cube = one(box_mesh({1, 1, 1})), slab = one(box_mesh({3, 3, 1}));
+  const Shapes cube = test::one_shape(box_mesh({1, 1, 1})), slab = test::one_shape(box_mesh({3, 3, 1}));
   const auto a = measured(cut_sections(cube.shapes[0].mesh, 300), {}),
              b = measured(cut_sections(slab.shapes[0].mesh, 300), {}),
              c = measured(cut_sections(cube.shapes[0].mesh, 300, 300), {});
@@ -93,7 +87,7 @@ TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
 }
 
 TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
-  auto s = cut_sections(one(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500);
+  auto s = cut_sections(test::one_shape(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500);
   const auto all = s.size();
   drop_small(s, 0.5);
   // For a ball, √area < half the largest means a depth beyond √¾ of the radius; the value that a tenth exceed
@@ -222,7 +216,7 @@ TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
 }
 
 TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
-  const Profiles profiles = sections_of(one(box_mesh({2, 1.6, 0.8})), 50);
+  const Profiles profiles = sections_of(test::one_shape(box_mesh({2, 1.6, 0.8})), 50);
   const auto candidates = candidates_of(profiles, {.smallest = 0.1});
   FitRequest request;
   request.all = &candidates.outlines;
@@ -249,7 +243,8 @@ TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
 TEST(ShapeEstimateFit, TooFewProfilesAreNoDistribution) {
   EXPECT_EQ(terrazzo::test::code_of([] {
               terrazzo::test::run_node(
-                  "ShapeEstimate", {{"profiles", Value::of(sections_of(one(box_mesh({2, 1.6, 0.8})), 8))}},
+                  "ShapeEstimate",
+                  {{"profiles", Value::of(sections_of(test::one_shape(box_mesh({2, 1.6, 0.8})), 8))}},
                   {{"method", "fit"}, {"smallest", "0"}});
             }),
             "too-few-profiles");

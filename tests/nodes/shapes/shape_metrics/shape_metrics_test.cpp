@@ -10,6 +10,7 @@
 #include "nodes/shapes/shape/solids.h"
 #include "nodes/shapes/shape_metrics/metrics.h"
 #include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -18,17 +19,11 @@ using namespace shape;
 
 using std::numbers::pi;
 
-Shapes one(Mesh mesh) {
-  Shapes s;
-  s.shapes.push_back(measure_shape("body", std::move(mesh)));
-  return s;
-}
-
 const std::map<std::string, std::string> few{{"sections", "400"}};
 
 TEST(ShapeMetrics, OfABall) {
-  const auto run =
-      test::run_node("ShapeMetrics", {{"shapes", Value::of(one(ellipsoid_mesh({1, 1, 1}, 3)))}}, few);
+  const auto run = test::run_node(
+      "ShapeMetrics", {{"shapes", Value::of(test::one_shape(ellipsoid_mesh({1, 1, 1}, 3)))}}, few);
   const auto& t = run.output<Table>("table");
   ASSERT_EQ(t.rows.size(), 2u);
   for (std::size_t row = 0; row < 2; ++row) {
@@ -43,10 +38,9 @@ TEST(ShapeMetrics, OfABall) {
 TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     RockOptions o;
-    o.seed = seed;
-    o.roughness = 0;
-    o.chips = 0;
-    const auto s = shape_metrics::summarize(one(rock_mesh(o)), SectionKind::Random, {300, seed, {}});
+    o.seed = seed, o.roughness = 0, o.chips = 0;
+    const auto s =
+        shape_metrics::summarize(test::one_shape(rock_mesh(o)), SectionKind::Random, {300, seed, {}});
     EXPECT_NEAR(s.mean[1], 2 * pi, 0.02);
     EXPECT_GT(s.mean[static_cast<std::size_t>(OutlineFeature::Convexity)], 0.999);
   }
@@ -54,14 +48,16 @@ TEST(ShapeMetrics, ConvexBodiesTurnOnce) {
 
 TEST(ShapeMetrics, SectionsOfACubeThroughItsCenter) {
   // Squares, rectangles up to 1 × √2, and hexagons in between.
-  const auto s = shape_metrics::summarize(one(box_mesh({1, 1, 1})), SectionKind::Central, {4000, 1, {}});
+  const auto s =
+      shape_metrics::summarize(test::one_shape(box_mesh({1, 1, 1})), SectionKind::Central, {4000, 1, {}});
   EXPECT_GT(s.mean[0], 1.0 / 17.5);
   EXPECT_LT(s.mean[0], std::sqrt(3.0) / 24);
   EXPECT_NEAR(s.mean[6], 1, 0.3);
 }
 
 TEST(ShapeMetrics, RowsAreComparedWithTheFirst) {
-  const Value cube = Value::of(one(box_mesh({1, 1, 1}))), slab = Value::of(one(box_mesh({4, 4, 1})));
+  const Value cube = Value::of(test::one_shape(box_mesh({1, 1, 1}))),
+              slab = Value::of(test::one_shape(box_mesh({4, 4, 1})));
   auto parameters = few;
   parameters["names"] = "[cube, slab, again]";
   const auto run =
@@ -75,7 +71,7 @@ TEST(ShapeMetrics, RowsAreComparedWithTheFirst) {
 }
 
 TEST(ShapeMetrics, SetsAreWeighted) {
-  Shapes both = one(box_mesh({1, 1, 1}));
+  Shapes both = test::one_shape(box_mesh({1, 1, 1}));
   both.shapes.push_back(measure_shape("ball", ellipsoid_mesh({1, 1, 1}, 2)));
   both.shapes[0].probability = 0;
   both.shapes[1].probability = 1;
@@ -87,7 +83,7 @@ TEST(ShapeMetrics, SetsAreWeighted) {
 }
 
 TEST(ShapeMetrics, IsTheSameOnAnyNumberOfThreads) {
-  const Value body = Value::of(one(box_mesh({1, 2, 3})));
+  const Value body = Value::of(test::one_shape(box_mesh({1, 2, 3})));
   const auto a = test::run_node("ShapeMetrics", {{"shapes", body}}, {{"sections", "1500"}}, {}, 1);
   const auto b = test::run_node("ShapeMetrics", {{"shapes", body}}, {{"sections", "1500"}}, {}, 5);
   EXPECT_EQ(a.output<Table>("table").rows, b.output<Table>("table").rows);
@@ -98,14 +94,14 @@ TEST(ShapeMetrics, BadInputIsNamed) {
               test::run_node("ShapeMetrics", {{"shapes", Value::of(Shapes{})}});
             }),
             "no-shapes");
-  Shapes open = one(box_mesh({1, 1, 1}));
+  Shapes open = test::one_shape(box_mesh({1, 1, 1}));
   open.shapes[0].mesh.triangles.pop_back();
   EXPECT_EQ(test::code_of([&] {
               test::run_node("ShapeMetrics", {{"shapes", Value::of(open)}});
             }),
             "open-mesh");
   EXPECT_EQ(test::code_of([&] {
-              test::run_node("ShapeMetrics", {{"shapes", Value::of(one(box_mesh({1, 1, 1})))}},
+              test::run_node("ShapeMetrics", {{"shapes", Value::of(test::one_shape(box_mesh({1, 1, 1})))}},
                              {{"names", "[a, b]"}});
             }),
             "bad-names");

@@ -4,12 +4,12 @@
 #include <numbers>
 
 #include "nodes/common/geometry/mesh/mesh.h"
-#include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/image.h"
 #include "nodes/data/profiles.h"
 #include "nodes/shapes/shape/solids.h"
 #include "nodes/shapes/shape_sections/sections.h"
 #include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -18,17 +18,11 @@ using namespace shape;
 
 using std::numbers::pi;
 
-Shapes one(Mesh mesh) {
-  Shapes s;
-  s.shapes.push_back(measure_shape("body", std::move(mesh)));
-  return s;
-}
-
 TEST(ShapeSections, PrincipalOnesOfAnEllipsoid) {
   Mesh mesh = ellipsoid_mesh({6, 4, 2}, 4);
   transform(mesh, Quat(0.8, 0.3, -0.4, 0.2).normalized().toRotationMatrix(), {5, 6, 7});
-  const auto run =
-      test::run_node("ShapeSections", {{"shapes", Value::of(one(mesh))}}, {{"planes", "principal"}});
+  const auto run = test::run_node("ShapeSections", {{"shapes", Value::of(test::one_shape(mesh))}},
+                                  {{"planes", "principal"}});
   const auto& p = run.output<Profiles>("profiles").profiles;
   ASSERT_EQ(p.size(), 3u);
   // The section across the longest axis is first.
@@ -38,8 +32,9 @@ TEST(ShapeSections, PrincipalOnesOfAnEllipsoid) {
 }
 
 TEST(ShapeSections, ThePictureShowsTheProfiles) {
-  const auto run = test::run_node("ShapeSections", {{"shapes", Value::of(one(box_mesh({1, 2, 3})))}},
-                                  {{"count", "20"}, {"cell", "64"}});
+  const auto run =
+      test::run_node("ShapeSections", {{"shapes", Value::of(test::one_shape(box_mesh({1, 2, 3})))}},
+                     {{"count", "20"}, {"cell", "64"}});
   const auto& p = run.output<Profiles>("profiles");
   const auto& image = run.output<Image>("image");
   EXPECT_EQ(image.width, 5 * 64);
@@ -61,7 +56,7 @@ TEST(ShapeSections, ThePictureShowsTheProfiles) {
 }
 
 TEST(ShapeSections, IsTheSameOnAnyNumberOfThreads) {
-  const Value body = Value::of(one(box_mesh({1, 2, 3})));
+  const Value body = Value::of(test::one_shape(box_mesh({1, 2, 3})));
   const auto a = test::run_node("ShapeSections", {{"shapes", body}}, {{"count", "300"}}, {}, 1);
   const auto b = test::run_node("ShapeSections", {{"shapes", body}}, {{"count", "300"}}, {}, 7);
   EXPECT_EQ(a.output<Image>("image").pixels, b.output<Image>("image").pixels);

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cmath>
-#include <map>
 #include <numbers>
 
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "runtime/random.h"
+#include "tests/support/meshes.h"
 
 namespace terrazzo::test {
 
@@ -29,33 +29,12 @@ inline Mesh sphere_mesh(int level) {
           m.triangles.push_back(normal.dot(m.vertices[a]) > 0 ? Triangle{a, b, c} : Triangle{a, c, b});
         }
   for (auto& v : m.vertices) v.normalize();
-  for (int l = 0; l < level; ++l) {
-    std::map<std::pair<int, int>, int> middle;
-    const auto between = [&](int a, int b) {
-      const auto [it, fresh] = middle.emplace(std::minmax(a, b), static_cast<int>(m.vertices.size()));
-      if (fresh) m.vertices.push_back((m.vertices[a] + m.vertices[b]).normalized());
-      return it->second;
-    };
-    std::vector<Triangle> finer;
-    for (const auto& [a, b, c] : m.triangles) {
-      const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
-      finer.insert(finer.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
-    }
-    m.triangles = std::move(finer);
-  }
+  m = refined_on_sphere(std::move(m), level);
   double volume = 0;
   for (const auto& [a, b, c] : m.triangles)
     volume += m.vertices[a].dot(m.vertices[b].cross(m.vertices[c])) / 6;
   const double factor = std::cbrt(std::numbers::pi / 6 / volume);
   for (auto& v : m.vertices) v *= factor;
-  return m;
-}
-
-inline Mesh cube_mesh() {
-  Mesh m;
-  for (int i = 0; i < 8; ++i) m.vertices.push_back(Vec3(i & 1, i >> 1 & 1, i >> 2 & 1) - Vec3::Constant(0.5));
-  m.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                 {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
   return m;
 }
 
