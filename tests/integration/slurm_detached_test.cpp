@@ -7,17 +7,8 @@ namespace fs = std::filesystem;
 using test::run_program;
 using test::wait_until;
 
-// Two rounds, and a file.
-constexpr const char* rounds_text = R"(terrazzo: 1
-nodes:
-  sizes: {type: Distribution, params: {kind: lognormal, mean: 1, sd: 0.3, min: 0.5, max: 2, volume_fraction: 0.3}}
-  stone: {type: Shape, each: {s: [1, 2, 3]}, params: {kind: rock, seed: "${s}"}}
-  stones: {type: MixShapes, inputs: {shapes: stone.shapes}}
-  pack: {type: Anneal, each: {s: [1, 2]}, inputs: {distribution: sizes.distribution, shapes: stones.shapes},
-         params: {count: 50, seed: "${s}"}}
-  section: {type: Section, each: {s: [1, 2]}, inputs: {particles: "pack[${s}].particles", shapes: stones.shapes}}
-  file: {type: Export, inputs: {image: "section[2].image"}, params: {path: section.png}}
-)";
+constexpr const char* file_text =
+    "  file: {type: Export, inputs: {image: \"section[2].image\"}, params: {path: section.png}}\n";
 
 constexpr const char* points_text = R"(terrazzo: 1
 nodes:
@@ -29,7 +20,7 @@ nodes:
 class SlurmDetached : public test::SlurmTest {
  protected:
   void write_inputs() override {
-    std::ofstream(folder / "rounds.yaml") << rounds_text;
+    std::ofstream(folder / "rounds.yaml") << kTwoRounds << file_text;
     std::ofstream(folder / "points.yaml") << points_text;
   }
   bool under_way() override {
@@ -187,7 +178,8 @@ TEST_F(SlurmDetached, AChangedGraphIsRefused) {
   ASSERT_EQ(run({"--detach", "--slurm-coordinator", "--hold"}).exit_code, 0);
   const std::string held = job("coordinator").at("task");
   fs::rename(folder / "rounds.yaml", folder / "kept.yaml");
-  std::ofstream(folder / "rounds.yaml") << rounds_text << "  more: {type: Shape, params: {kind: rock}}\n";
+  std::ofstream(folder / "rounds.yaml")
+      << kTwoRounds << file_text << "  more: {type: Shape, params: {kind: rock}}\n";
   const auto other = run();
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_NE(other.err.find("for another command in"), std::string::npos) << other.err;

@@ -118,17 +118,8 @@ TEST_F(SlurmElements, CanceledFromOutsideTheSameCommandCompletesThem) {
   expect_completed(run("solid.yaml"));
 }
 
-// Stones are joined to one population, and packings of it are elements of the second round.
 TEST_F(SlurmElements, AfterAListAreASecondRound) {
-  std::ofstream(folder / "packings.yaml") << R"(terrazzo: 1
-nodes:
-  sizes: {type: Distribution, params: {kind: lognormal, mean: 1, sd: 0.3, min: 0.5, max: 2, volume_fraction: 0.3}}
-  stone: {type: Shape, each: {s: [1, 2, 3]}, params: {kind: rock, seed: "${s}"}}
-  stones: {type: MixShapes, inputs: {shapes: stone.shapes}}
-  pack: {type: Anneal, each: {s: [1, 2]}, inputs: {distribution: sizes.distribution, shapes: stones.shapes},
-         params: {count: 50, seed: "${s}"}}
-  section: {type: Section, each: {s: [1, 2]}, inputs: {particles: "pack[${s}].particles", shapes: stones.shapes}}
-)";
+  std::ofstream(folder / "packings.yaml") << kTwoRounds;
   const auto done = run("packings.yaml");
   ASSERT_EQ(done.exit_code, 0) << done.err;
   EXPECT_NE(done.out.find("round 1 of 2: 3 elements"), std::string::npos) << done.out;

@@ -27,6 +27,17 @@ class SlurmTest : public ::testing::Test {
  protected:
   using json = nlohmann::json;
   using ProgramRun = test::ProgramRun;
+  // Stones, elements of a first round, are joined to one population, and packings of it are elements of a
+  // second round.
+  static constexpr const char* kTwoRounds = R"(terrazzo: 1
+nodes:
+  sizes: {type: Distribution, params: {kind: lognormal, mean: 1, sd: 0.3, min: 0.5, max: 2, volume_fraction: 0.3}}
+  stone: {type: Shape, each: {s: [1, 2, 3]}, params: {kind: rock, seed: "${s}"}}
+  stones: {type: MixShapes, inputs: {shapes: stone.shapes}}
+  pack: {type: Anneal, each: {s: [1, 2]}, inputs: {distribution: sizes.distribution, shapes: stones.shapes},
+         params: {count: 50, seed: "${s}"}}
+  section: {type: Section, each: {s: [1, 2]}, inputs: {particles: "pack[${s}].particles", shapes: stones.shapes}}
+)";
 
   void SetUp() override {
     cluster = std::make_unique<SlurmCluster>(folder / "slurm");

@@ -32,8 +32,7 @@ EstimateRequest request_of(const std::vector<Contour>& contours, int subdivision
   r.subdivision = subdivision;
   r.control = control;
   r.axis = axis;
-  for (const auto& c : contours)
-    r.chosen.push_back(make_outline(static_cast<int>(r.chosen.size()) + 1, c, 40));
+  r.chosen = made::outlines_of(contours, 40);
   return r;
 }
 

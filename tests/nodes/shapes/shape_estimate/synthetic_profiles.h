@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/profiles.h"
+#include "nodes/shapes/shape_estimate/outline.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate::test {
@@ -100,6 +101,13 @@ inline Contour pixelated(const Contour& c, double pixel) {
       dx = -dy, dy = t;  // outside ahead on the left: turn left
     }
   } while (cx != x || cy != y);
+  return out;
+}
+
+// Numbered from 1. `crease`: degrees, as in make_outline.
+inline std::vector<Outline> outlines_of(const std::vector<Contour>& contours, double crease) {
+  std::vector<Outline> out;
+  for (const auto& c : contours) out.push_back(make_outline(static_cast<int>(out.size()) + 1, c, crease));
   return out;
 }
 

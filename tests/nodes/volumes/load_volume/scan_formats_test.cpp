@@ -65,6 +65,13 @@ void expect_counting(const test::NodeRun& run, const char* what, double offset =
   }
 }
 
+// Also with a spacing of 0.5 × 0.5 × 2.
+void expect_spaced_counting(const fs::path& file, const char* what) {
+  const auto run = test::load_volume(file);
+  expect_counting(run, what);
+  EXPECT_TRUE(scan_grid(run)->voxelSize().eq(openvdb::Vec3d(0.5, 0.5, 2), 1e-12)) << what;
+}
+
 test::NodeRun loaded(const fs::path& path) { return test::load_volume(path, {{"spacing", "1"}}); }
 std::string code(const fs::path& path, std::map<std::string, std::string> more = {{"spacing", "1"}}) {
   return test::code_of([&] { test::load_volume(path, more); });
@@ -166,9 +173,7 @@ std::string nrrd(const std::string& fields, const std::string& data = "", const 
 TEST(LoadNrrd, ReadsEncodingsAndByteOrders) {
   const auto folder = test::temporary_folder();
   const auto read = [&](const std::string& content, const char* what) {
-    const auto run = test::load_volume(file_of(folder / "a.nrrd", content));
-    expect_counting(run, what);
-    EXPECT_TRUE(scan_grid(run)->voxelSize().eq(openvdb::Vec3d(0.5, 0.5, 2), 1e-12)) << what;
+    expect_spaced_counting(file_of(folder / "a.nrrd", content), what);
   };
   const std::string common = "sizes: 4 3 2\nspacings: 0.5 0.5 2\nkey:=value\n";
   read(nrrd(common + "type: short\nencoding: raw\nendian: little\n", counting<std::int16_t>()), "raw");
@@ -240,9 +245,7 @@ std::string meta(const std::string& fields, const std::string& data_file, const 
 TEST(LoadMetaImage, ReadsEncodingsAndByteOrders) {
   const auto folder = test::temporary_folder();
   const auto read = [&](const std::string& content, const char* what) {
-    const auto run = test::load_volume(file_of(folder / "a.mha", content));
-    expect_counting(run, what);
-    EXPECT_TRUE(scan_grid(run)->voxelSize().eq(openvdb::Vec3d(0.5, 0.5, 2), 1e-12)) << what;
+    expect_spaced_counting(file_of(folder / "a.mha", content), what);
   };
   const std::string common = "ElementSpacing = 0.5 0.5 2\n";
   read(meta(common + "ElementType = MET_USHORT\n", "LOCAL", counting<std::uint16_t>()), "local");
