@@ -8,8 +8,6 @@
 namespace terrazzo {
 namespace {
 
-using Entry = std::pair<YamlNode, YamlNode>;
-
 class Patch {
  public:
   explicit Patch(const std::string& text) : text_(text), root_(read_yaml_tree(text)) {}
@@ -25,7 +23,7 @@ class Patch {
         if (entry_->second.kind != YamlNode::Kind::Map) return k;
         map_ = &entry_->second;
       }
-      const auto at = std::find_if(map_->entries.begin(), map_->entries.end(), [&](const Entry& e) {
+      const auto at = std::find_if(map_->entries.begin(), map_->entries.end(), [&](const YamlEntry& e) {
         return e.first.text == path[k] && e.first.end > e.first.begin;
       });
       if (at == map_->entries.end()) {
@@ -38,7 +36,7 @@ class Patch {
   }
 
   const YamlNode& map() const { return *map_; }
-  const Entry* entry() const { return entry_; }
+  const YamlEntry* entry() const { return entry_; }
 
   std::string replaced(std::size_t begin, std::size_t end, const std::string& by) const {
     return text_.substr(0, begin) + by + text_.substr(end);
@@ -58,7 +56,7 @@ class Patch {
     return end == std::string::npos ? text_.size() : end + 1;
   }
 
-  std::optional<std::string> with_value(const Entry& e, const std::string& value) const {
+  std::optional<std::string> with_value(const YamlEntry& e, const std::string& value) const {
     const YamlNode& old = e.second;
     // A value below its key moves behind the colon.
     const auto colon = text_.find(':', e.first.end);
@@ -151,15 +149,15 @@ class Patch {
   }
 
  private:
-  std::size_t end_of(const Entry& e) const {
+  std::size_t end_of(const YamlEntry& e) const {
     const auto colon = text_.find(':', e.first.end);  // of an entry without a value
     return std::max({e.first.end, e.second.end, e.second.end <= e.first.end ? colon + 1 : 0});
   }
 
   const std::string& text_;
   std::optional<YamlNode> root_;
-  const YamlNode* map_ = nullptr;  // the last map on the path
-  const Entry* entry_ = nullptr;   // the entry of the whole path, or the last one that is no map
+  const YamlNode* map_ = nullptr;     // the last map on the path
+  const YamlEntry* entry_ = nullptr;  // the entry of the whole path, or the last one that is no map
 };
 
 }  // namespace

@@ -120,7 +120,7 @@ class TreeReader {
         return false;
       }
       end = std::max(end, value.end);
-      out.entries.emplace_back(std::move(child), std::move(value));
+      out.entries.push_back({std::move(child), std::move(value)});
     }
     if (failed_) return false;
     out.end = out.flow ? last_end_ : end;

@@ -96,9 +96,9 @@ class Text {
 
  private:
   using Path = std::vector<std::string>;
-  const std::pair<YamlNode, YamlNode>* entry_at(const Path& path) const {
+  const YamlEntry* entry_at(const Path& path) const {
     const YamlNode* map = &tree_;
-    const std::pair<YamlNode, YamlNode>* out = nullptr;
+    const YamlEntry* out = nullptr;
     for (const auto& key : path) {
       const auto it = std::ranges::find_if(map->entries, [&](const auto& e) { return e.first.text == key; });
       if (it == map->entries.end()) return nullptr;
