@@ -29,6 +29,7 @@ namespace {
 using namespace shape;
 
 using namespace shape_estimate;
+using terrazzo::test::one_shape;
 namespace made = shape_estimate::test;
 
 Profiles sections_of(const Shapes& s, std::size_t n) {
@@ -66,7 +67,7 @@ TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
 
 // The means over evenly spread sections satisfy the identities of stereology.
 TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
-  const Shapes s = test::one_shape(box_mesh({3, 1, 0.5}));
+  const Shapes s = one_shape(box_mesh({3, 1, 0.5}));
   const auto sample = measured(cut_sections(s.shapes[0].mesh, 2000), {});
   double area = 0;
   for (std::size_t i = 0; i < sample.weight.size(); ++i)
@@ -75,7 +76,7 @@ TEST(ShapeEstimateFit, EvenSectionsAreIsotropicUniformRandom) {
 }
 
 TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
-  const Shapes cube = test::one_shape(box_mesh({1, 1, 1})), slab = test::one_shape(box_mesh({3, 3, 1}));
+  const Shapes cube = one_shape(box_mesh({1, 1, 1})), slab = one_shape(box_mesh({3, 3, 1}));
   const auto a = measured(cut_sections(cube.shapes[0].mesh, 300), {}),
              b = measured(cut_sections(slab.shapes[0].mesh, 300), {}),
              c = measured(cut_sections(cube.shapes[0].mesh, 300, 300), {});
@@ -87,7 +88,7 @@ TEST(ShapeEstimateFit, TheDistanceToItselfIsNothing) {
 }
 
 TEST(ShapeEstimateFit, DropsSmallSectionsAsCandidatesAre) {
-  auto s = cut_sections(test::one_shape(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500);
+  auto s = cut_sections(one_shape(ellipsoid_mesh({1, 1, 1}, 2)).shapes[0].mesh, 500);
   const auto all = s.size();
   drop_small(s, 0.5);
   // For a ball, √area < half the largest means a depth beyond √¾ of the radius; the value that a tenth exceed
@@ -216,7 +217,7 @@ TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
 }
 
 TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
-  const Profiles profiles = sections_of(test::one_shape(box_mesh({2, 1.6, 0.8})), 50);
+  const Profiles profiles = sections_of(one_shape(box_mesh({2, 1.6, 0.8})), 50);
   const auto candidates = candidates_of(profiles, {.smallest = 0.1});
   FitRequest request;
   request.all = &candidates.outlines;
@@ -244,7 +245,7 @@ TEST(ShapeEstimateFit, TooFewProfilesAreNoDistribution) {
   EXPECT_EQ(terrazzo::test::code_of([] {
               terrazzo::test::run_node(
                   "ShapeEstimate",
-                  {{"profiles", Value::of(sections_of(test::one_shape(box_mesh({2, 1.6, 0.8})), 8))}},
+                  {{"profiles", Value::of(sections_of(one_shape(box_mesh({2, 1.6, 0.8})), 8))}},
                   {{"method", "fit"}, {"smallest", "0"}});
             }),
             "too-few-profiles");
