@@ -32,7 +32,7 @@ namespace made = shape_estimate::test;
 using made::Contour;
 using std::numbers::pi;
 
-EstimateRequest request_of(const std::vector<Contour>& contours, int subdivision = 2) {
+EstimateRequest outlines_of(const std::vector<Contour>& contours, int subdivision = 2) {
   EstimateRequest r;
   r.subdivision = subdivision;
   r.chosen = made::outlines_of(contours, 30);
@@ -47,7 +47,7 @@ std::vector<Contour> stars(std::uint64_t seed, double amplitude, int n = 3) {
 }
 
 TEST(ShapeEstimateCsg, RectanglesMakeTheBox) {
-  const auto e = csg(request_of({made::rectangle(3, 2), made::rectangle(3, 1), made::rectangle(2, 1)}), {});
+  const auto e = csg(outlines_of({made::rectangle(3, 2), made::rectangle(3, 1), made::rectangle(2, 1)}), {});
   EXPECT_NEAR(mesh_volume(e.mesh), 6, 1e-4);
   EXPECT_NEAR(mesh_surface_area(e.mesh), 22, 1e-3);
   EXPECT_LT(e.deviation, 0.001);
@@ -112,7 +112,7 @@ TEST(ShapeEstimateCsg, TheIntersectionIsExact) {
 TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
-    const auto request = request_of(stars(seed, 0.2), 3);
+    const auto request = outlines_of(stars(seed, 0.2), 3);
     const auto e = csg(request, {});
     EXPECT_LT(e.deviation, 0.01);
     const auto polygons = silhouettes_of(request.chosen);
@@ -145,7 +145,7 @@ TEST(ShapeEstimateCsg, SilhouettesGiveTheProfilesBack) {
 }
 
 TEST(ShapeEstimateCsg, PermutationsDiffer) {
-  const auto request = request_of(stars(3, 0.3));
+  const auto request = outlines_of(stars(3, 0.3));
   auto other = request;
   other.base = 4;
   EXPECT_GT(std::abs(mesh_volume(csg(request, {}).mesh) - mesh_volume(csg(other, {}).mesh)), 1e-6);
@@ -153,12 +153,12 @@ TEST(ShapeEstimateCsg, PermutationsDiffer) {
 
 TEST(ShapeEstimateCylinder, ACircleSweptRoundACircleIsASphere) {
   const auto c = made::ellipse(1, 1);
-  const auto e = generalized_cylinder(request_of({c, c}), {});
+  const auto e = generalized_cylinder(outlines_of({c, c}), {});
   EXPECT_NEAR(mesh_volume(e.mesh) / (4 * pi / 3), 1, 0.01);
 }
 
 TEST(ShapeEstimateCylinder, ARectangleSweptRoundASquareIsABox) {
-  const auto e = generalized_cylinder(request_of({made::rectangle(2, 2), made::rectangle(2, 1)}), {});
+  const auto e = generalized_cylinder(outlines_of({made::rectangle(2, 2), made::rectangle(2, 1)}), {});
   EXPECT_NEAR(mesh_volume(e.mesh), 4, 0.05);
 }
 
@@ -167,13 +167,13 @@ TEST(ShapeEstimateCylinder, SectionsGiveTheProfilesBack) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     SCOPED_TRACE(seed);
     auto contours = stars(seed, 0.2, 2);
-    const auto request = request_of(contours, 3);
+    const auto request = outlines_of(contours, 3);
     const auto e = generalized_cylinder(request, {});
     EXPECT_TRUE(mesh_faults(e.mesh).empty());
     EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
     EXPECT_LT(frame_deviation(cylinder_frame(request.chosen, "auto"), e.mesh), 0.01);
   }
-  const auto e = generalized_cylinder(request_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
+  const auto e = generalized_cylinder(outlines_of({made::ellipse(1, 0.9), made::banana(4, 1, 2)}), {});
   EXPECT_TRUE(mesh_faults(e.mesh).empty());
   EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
 }
@@ -204,7 +204,7 @@ TEST(ShapeEstimateCylinder, PrincipalSectionsKeepTheBodysExtents) {
         const auto section = [&](double x, double y) {
           return box ? made::rectangle(x, y) : made::ellipse(x / 2, y / 2);
         };
-        auto request = request_of({section(a, b), section(b, c), section(a, c)});
+        auto request = outlines_of({section(a, b), section(b, c), section(a, c)});
         request.base = base;
         expect_extents(generalized_cylinder(request, {}).mesh, {a, b, c});
       }
@@ -216,8 +216,8 @@ TEST(ShapeEstimateCylinder, MorphedCylindersKeepTheBodysExtents) {
   for (const auto& [a, b, c] : kBodies)
     for (int base = 0; base < 2; ++base) {
       SCOPED_TRACE(fmt::format("{} × {} × {}, base {}", a, b, c, base));
-      auto request =
-          request_of({made::ellipse(a / 2, b / 2), made::ellipse(b / 2, c / 2), made::ellipse(a / 2, c / 2)});
+      auto request = outlines_of(
+          {made::ellipse(a / 2, b / 2), made::ellipse(b / 2, c / 2), made::ellipse(a / 2, c / 2)});
       request.base = base;
       expect_extents(morphed_generalized_cylinder(request, {}).mesh, {a, b, c});
     }
@@ -225,7 +225,7 @@ TEST(ShapeEstimateCylinder, MorphedCylindersKeepTheBodysExtents) {
 
 TEST(ShapeEstimateHarmonics, CirclesMakeASphere) {
   const auto c = made::ellipse(2, 2);
-  const auto e = spherical_harmonics(request_of({c}), {});
+  const auto e = spherical_harmonics(outlines_of({c}), {});
   for (const auto& v : e.mesh.vertices) EXPECT_NEAR(v.norm(), 2, 0.02);
 }
 
@@ -250,7 +250,7 @@ TEST(ShapeEstimateHarmonics, VariancesComeBack) {
 
 // Central sections of many particles have the spectrum of the profiles.
 TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
-  const auto request = request_of(stars(2, 0.25, 12), 0);
+  const auto request = outlines_of(stars(2, 0.25, 12), 0);
   const auto want = profile_spectrum(request.chosen, kHarmonicTerms);
   std::vector<Outline> sections;
   for (int i = 0; i < 24; ++i) {
@@ -267,7 +267,7 @@ TEST(ShapeEstimateHarmonics, SectionsHaveTheProfilesSpectrum) {
 }
 
 TEST(ShapeEstimateHarmonics, ParticlesDiffer) {
-  auto a = request_of(stars(1, 0.3)), b = a;
+  auto a = outlines_of(stars(1, 0.3)), b = a;
   b.index = 1;
   EXPECT_NE(mesh_volume(spherical_harmonics(a, {}).mesh), mesh_volume(spherical_harmonics(b, {}).mesh));
 }
