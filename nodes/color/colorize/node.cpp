@@ -51,11 +51,11 @@ NodeType colorize_node() {
   using namespace colorize;
   return NodeType("Colorize", 6)
       .doc_(
-          "Gives every particle the mean color of a profile of the photograph, and the binder its own mean "
+          "Gives every particle the color of a profile of the photograph (its median), and the binder its mean "
           "color. Voids stay black.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
       .input("particles", "Particles", "Particles to color")
-      .input("profiles", "Profiles", "Profiles with mean colors and weights, and the binder's color")
+      .input("profiles", "Profiles", "Profiles with colors and weights, and the binder's color")
       .output("particles", "Particles",
               "The same particles with colors. Mode classes may also set their classes.")
       .parameter(

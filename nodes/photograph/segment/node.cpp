@@ -219,7 +219,7 @@ void add_color_parameters(NodeType& type) {
       .parameter(Parameter::integer("color_classes", 1)
                      .keyword("auto")
                      .range(1, 32)
-                     .doc_("Number of profile classes by mean color (k-means), the most frequent class "
+                     .doc_("Number of profile classes by color (k-means), the most frequent class "
                            "first. auto: as many as the colors show and the profiles bear out by different "
                            "sizes or circularities, 1 to 8."));
 }
@@ -236,8 +236,8 @@ void add_method_parameters(NodeType& type) {
                     "scribbles if there are strokes; otherwise runs clusters and network, joins the better "
                     "of both at "
                     "every place where the colors of the phases are distinct, and takes the clusters alone "
-                    "unless the "
-                    "rest can be expected to be better. The metrics that start with reliability tell why."))
+                    "unless another result "
+                    "can be expected to be better. The metrics that start with reliability tell why."))
       .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
                      .doc_("Network of method network, an ONNX file; see the README for its inputs and "
                            "outputs. built_in: "
