@@ -138,6 +138,7 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
   EXPECT_EQ(r["split_by_mouse"], 1);
   EXPECT_EQ(r["undone"], true);
   EXPECT_EQ(r["split_by_keys"], 1);
+  EXPECT_EQ(r["added"], "ignore 0 0 2 2");
   EXPECT_EQ(r["failed"], nlohmann::json::array());
   EXPECT_EQ(r["ran"], nlohmann::json({"block", "colorize", "compare", "observer", "pack", "section",
                                       "sections", "sheet", "voxels"}));

@@ -51,7 +51,8 @@ NodeType colorize_node() {
   using namespace colorize;
   return NodeType("Colorize", 6)
       .doc_(
-          "Gives every particle the color of a profile of the photograph (its median), and the binder its mean "
+          "Gives every particle the color of a profile of the photograph (its median), and the binder its "
+          "mean "
           "color. Voids stay black.")
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.2")
       .input("particles", "Particles", "Particles to color")

@@ -77,6 +77,18 @@ await report(server, async () => {
   await page.keyboard.press('Escape');
   await idle();
 
+  // The inspector adds an item to the list of corrections, and removes it.
+  await card('edit_labels').click();
+  const items = page.locator('.items li'), corrections = await items.count();
+  const listed = n => page.waitForFunction(n => document.querySelectorAll('.items li').length === n, n);
+  await page.fill('[aria-label="Add to edits"]', 'ignore 0 0 2 2');
+  await page.press('[aria-label="Add to edits"]', 'Enter');
+  await listed(corrections + 1);
+  result.added = await items.last().locator('span').textContent();
+  await items.last().locator('button').click();
+  await listed(corrections);
+  await idle();
+
   // The size of the block: only what is downstream runs.
   await page.click('.react-flow__pane', { position: { x: 500, y: 30 } });
   await page.fill('#field-size', '30');

@@ -71,15 +71,24 @@ function Outputs({ node }: { node: DocNode }) {
   );
 }
 
-// A list of texts, such as edits. Items are changed in the YAML text.
+// A list of texts, such as colors or edits. Other changes of items are made in the YAML text.
 function Items({ node, spec, items }: { node: DocNode; spec: Parameter; items: string[] }) {
+  const [added, setAdded] = useState('');
+  const add = () => {
+    if (!added.trim()) return;
+    void edit([{ op: 'append', node: node.name, name: spec.name, value: added.trim() }]);
+    setAdded('');
+  };
   return (
     <>
       <h2 title={spec.doc}>{spec.name}{spec.unit && `, ${spec.unit}`}</h2>
       <ol className="items">{items.map((text, k) => (
-        <li key={k}><span>{text}</span><button className="reset" title="Remove" aria-label={`Remove ${text}`}
-          onClick={() => void edit([{ op: 'remove_item', node: node.name, name: spec.name, index: k }])}>×</button></li>
+        <li key={k}>{/^#[0-9a-f]{6}$/i.test(text) && <i className="swatch" style={{ background: text }} />}<span>{text}</span>
+          <button className="reset" title="Remove" aria-label={`Remove ${text}`}
+            onClick={() => void edit([{ op: 'remove_item', node: node.name, name: spec.name, index: k }])}>×</button></li>
       ))}</ol>
+      <input value={added} placeholder="Add, then Enter" aria-label={`Add to ${spec.name}`} spellCheck={false}
+        onChange={e => setAdded(e.target.value)} onKeyDown={e => { if (e.key === 'Enter') add(); }} />
     </>
   );
 }
