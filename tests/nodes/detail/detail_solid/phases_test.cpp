@@ -6,7 +6,9 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/detail/detail_solid/broad.h"
+#include "nodes/detail/detail_solid/contrast.h"
 #include "nodes/detail/detail_solid/rim.h"
+#include "nodes/detail/detail_solid/softness.h"
 #include "nodes/detail/detail_solid/spectrum.h"
 #include "nodes/detail/detail_solid/tiles.h"
 #include "runtime/random.h"
