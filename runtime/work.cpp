@@ -30,7 +30,7 @@ void Work::parallel(std::size_t n, std::size_t grain,
   if (n == 0) return;
   grain = std::max<std::size_t>(grain, 1);
   const std::size_t ranges = (n + grain - 1) / grain;
-  std::atomic<std::size_t> done{0};
+  std::atomic<std::size_t> finished{0};
   ThreadMark start, end;
   // A destructor, so that it also runs if a range throws.
   const struct Joined {
@@ -50,13 +50,13 @@ void Work::parallel(std::size_t n, std::size_t grain,
     } leaves{end};
     check();
     body(r * grain, std::min(n, (r + 1) * grain));
-    const std::size_t k = done.fetch_add(1, std::memory_order_relaxed) + 1;
-    if (report_ && ranges > 1) this->done(k, ranges);
+    const std::size_t k = finished.fetch_add(1, std::memory_order_relaxed) + 1;
+    if (report_ && ranges > 1) done(k, ranges);
   };
   tbb::parallel_for(std::size_t{0}, ranges, range, context);
   // If this loop runs inside another loop in which a range failed, TBB ends this one early without an error.
   // Continuing with partial results would be wrong, so throw. The outer loop reports the failure.
-  if (done.load() != ranges) throw Cancelled();
+  if (finished.load() != ranges) throw Cancelled();
 }
 
 }  // namespace terrazzo

@@ -16,6 +16,14 @@ inline std::size_t voxel_at(int x, int y, int z, const Vec3i& size) {
   return (static_cast<std::size_t>(z) * size.y() + y) * size.x() + x;
 }
 
+// Larger types are refused, not cut.
+template <class A, class B>
+std::size_t pixels_in(A, B) = delete;
+template <class A, class B, class C>
+std::size_t pixel_at(A, B, C) = delete;
+template <class A, class B, class C>
+std::size_t voxel_at(A, B, C, const Vec3i&) = delete;
+
 // Down, up, and to the nearest, halves away from zero. The result must fit into an int.
 inline int round_down(double v) { return static_cast<int>(std::floor(v)); }
 inline int round_up(double v) { return static_cast<int>(std::ceil(v)); }
