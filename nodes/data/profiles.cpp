@@ -1,5 +1,7 @@
 #include "nodes/data/profiles.h"
 
+#include <algorithm>
+
 #include "nodes/data/json.h"
 
 namespace terrazzo {
@@ -22,12 +24,16 @@ void encode(const Profiles& v, Writer& w) {
     w.bytes(p.color.data(), sizeof(float) * 3);
     w.raw_array(p.contour);
   }
-  if (v.fragments.empty()) return;  // as before there were any
+  if (v.fragments.empty() && v.view == View::Section) return;  // as before there were any
   w.pod<std::uint64_t>(v.fragments.size());
   for (const Fragment& f : v.fragments) {
     w.bytes(f.color.data(), sizeof(float) * 3);
     w.pod(f.area);
   }
+  if (v.view == View::Section) return;  // as before there were others
+  w.pod(static_cast<std::int32_t>(v.view));
+  w.bytes(v.light.data(), sizeof(double) * 2);
+  for (const auto& p : v.profiles) w.pod(p.whole);
 }
 
 Profiles decode_profiles(Reader& r) {
@@ -56,6 +62,10 @@ Profiles decode_profiles(Reader& r) {
     r.bytes(f.color.data(), sizeof(float) * 3);
     f.area = r.pod<double>();
   }
+  if (r.left() == 0) return v;
+  v.view = static_cast<View>(r.pod<std::int32_t>());
+  r.bytes(v.light.data(), sizeof(double) * 2);
+  for (auto& p : v.profiles) p.whole = r.pod<double>();
   return v;
 }
 
@@ -70,27 +80,46 @@ nlohmann::json describe(const Profiles& v) {
                         {"weight", p.weight},
                         {"confidence", p.confidence},
                         {"color", json_of(p.color)}};
+    if (p.whole > 0) j["whole"] = p.whole;
     if (!p.contour.empty()) {
       auto& c = j["contour"] = nlohmann::json::array();
       for (const auto& q : p.contour) c.push_back(json_of(q));
     }
     list.push_back(std::move(j));
   }
-  return {{"observed_area", v.observed_area},
-          {"sections", v.sections},
-          {"classes", v.classes},
-          {"window", json_of(v.window)},
-          {"binder_color", json_of(v.binder_color)},
-          {"area_fraction", v.area_fraction},
-          {"profiles", std::move(list)}};
+  nlohmann::json out = {{"observed_area", v.observed_area},
+                        {"sections", v.sections},
+                        {"classes", v.classes},
+                        {"window", json_of(v.window)},
+                        {"binder_color", json_of(v.binder_color)},
+                        {"area_fraction", v.area_fraction},
+                        {"profiles", std::move(list)}};
+  if (v.view != View::Section) out["view"] = name_of(v.view);
+  if (v.view == View::Surface) out["light"] = json_of(v.light);
+  return out;
 }
 
 }  // namespace
 
+bool shows_loose_stones(const Profiles& profiles) {
+  if (profiles.view != View::Surface || profiles.profiles.empty()) return false;
+  const auto luminance = [](const Vec3f& c) { return c.dot(Vec3f(0.2126F, 0.7152F, 0.0722F)); };
+  std::vector<float> stones;
+  for (const Profile& p : profiles.profiles) stones.push_back(luminance(p.color));
+  const auto middle = stones.begin() + static_cast<std::ptrdiff_t>(stones.size() / 2);
+  std::nth_element(stones.begin(), middle, stones.end());
+  return luminance(profiles.binder_color) < kShadow * *middle;
+}
+
+const char* name_of(View view) {
+  return view == View::Surface ? "surface" : view == View::Filling ? "filling" : "section";
+}
+
 template <>
 const ValueType& value_type<Profiles>() {
   static const ValueType type = make_value_type<Profiles>(
-      "Profiles", "Profiles of particles in plane sections", encode, decode_profiles, describe);
+      "Profiles", "Profiles of particles in plane sections, or their outlines seen from outside", encode,
+      decode_profiles, describe);
   return type;
 }
 

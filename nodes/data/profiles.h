@@ -8,6 +8,13 @@
 
 namespace terrazzo {
 
+// What a photograph shows of the particles.
+enum class View {
+  Section,  // a plane cut through particles in a binder
+  Surface,  // whole particles seen from outside, which hide each other
+  Filling   // a plane cut through particles that meet without a binder
+};
+
 struct Profile {
   int section = 0;
   int cls = 0;                   // color or particle class, from 0
@@ -22,6 +29,9 @@ struct Profile {
   Vec3f color = Vec3f::Zero();  // median of each channel, scene-linear
   std::vector<Vec2> contour;    // outer outline, mm like the centroid, counterclockwise, first point not
                                 // repeated; may be empty
+  // In View::Surface, the area of the particle's silhouette as if nothing hid it, estimated from the visible
+  // part, mm² (common/stereology/silhouette.h); otherwise 0.
+  double whole = 0;
 };
 
 // A part of a particle whose outline is unknown.
@@ -39,7 +49,19 @@ struct Profiles {
   double area_fraction = 0;            // pixels in profiles / all pixels, including border profiles
   std::vector<Profile> profiles;
   std::vector<Fragment> fragments;  // outside of observed_area
+  View view = View::Section;
+  // In View::Surface, how fast the logarithm of the luminance grows across a particle, per radius, to the
+  // right and upwards: it points toward the light. Otherwise 0.
+  Vec2 light = Vec2::Zero();
 };
+
+// Whether the profiles show stones that lie on each other, without soil between them: of a surface whose gaps
+// are shadows, darker than `kShadow` of the stones.
+inline constexpr float kShadow = 0.6F;
+bool shows_loose_stones(const Profiles&);
+
+// "section", "surface" or "filling".
+const char* name_of(View);
 
 template <>
 const ValueType& value_type<Profiles>();

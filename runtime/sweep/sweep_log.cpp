@@ -44,7 +44,7 @@ std::string machine() {
 bool is_event(const json& line) {
   if (!line.is_object() || !line.contains("event")) return false;
   for (const auto& [name, v] : line.items()) {
-    const auto is = [&](std::initializer_list<const char*> names) {
+    const auto is = [&name = name](std::initializer_list<const char*> names) {  // Clang 14 needs its name
       return std::find(names.begin(), names.end(), name) != names.end();
     };
     bool good = true;

@@ -30,7 +30,7 @@ const std::map<std::string, int> kLibraries = {
     {"common/gl", 2},       {"sizes/unfolding", 0},      {"packing/rigid", 0},
     {"packing/cells", 1},   {"solids/synthesis", 0},     {"solids/patch_fill", 1},
     {"detail/residual", 0}, {"cooccurrence/strokes", 0}, {"volumes/blocks", 0},
-    {"bodies/carving", 0}};
+    {"bodies/carving", 0},  {"bodies/cutting", 0}};
 const int kNode = 2, kProgram = 3;  // levels of node folders, and of programs that use them
 // Within solids/synthesis. The files at its top have the last level.
 const std::map<std::string, int> kSynthesis = {{"options", 0}, {"exemplar", 1},  {"matching", 2},

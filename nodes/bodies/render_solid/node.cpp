@@ -7,6 +7,7 @@
 #include "nodes/bodies/render_solid/render.h"
 #include "nodes/bodies/render_solid/tone.h"
 #include "nodes/common/io/pictures/color_config.h"
+#include "nodes/data/profiles.h"
 #include "runtime/context.h"
 
 namespace terrazzo::render_solid {
@@ -30,8 +31,17 @@ RenderOptions coarse(RenderOptions settings) {
   return settings;
 }
 
+// Loose stones are shown as stones, whatever else is connected.
+carving::Mode mode_of(const Context& c) {
+  const auto mode = c.choice<carving::Mode>("mode");
+  const Profiles* photograph = c.optional<Profiles>("profiles");
+  const bool loose = photograph && shows_loose_stones(*photograph);
+  if (mode == carving::Mode::Auto && loose && c.has("particles")) return carving::Mode::Particles;
+  return resolved_mode(c, mode);
+}
+
 void compute(Context& c) {
-  const auto mode = resolved_mode(c, c.choice<carving::Mode>("mode"));
+  const auto mode = mode_of(c);
   const auto tone_kind = c.choice<ToneKind>("tone");
   if (tone_kind == ToneKind::View && c.text("color_config") != color_config_id())
     throw Error(
@@ -89,6 +99,8 @@ NodeType render_solid_node() {
       .source_("Path tracing with a control variate: light on unoccluded surfaces is added in closed form");
   declare_solid(type);
   type.input_was("residual");
+  type.optional_input("profiles", {"Profiles"},
+                      "Profiles of the photograph, for mode auto: loose stones are shown without binder");
   type.output("image", "Image",
               "Picture with one section per frame, in linear values ready for display: 1 is white")
       .parameter(
@@ -103,8 +115,9 @@ NodeType render_solid_node() {
           Parameter::choice("mode", "auto", kModes)
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "
                     "vase, knot: a body carved from the solid. particles: particles without binder. "
-                    "fracture: one period broken across, along the particles' surfaces. auto: object if one "
-                    "is connected, else block, else particles."));
+                    "fracture: one period broken across, along the particles' surfaces. auto: particles if "
+                    "the photograph shows loose stones, object if one is connected, else block, else "
+                    "particles."));
   declare_body(type);
   return type
       .parameter(Parameter::integer("frames", 1)

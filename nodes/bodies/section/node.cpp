@@ -5,8 +5,8 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
-#include "nodes/bodies/section/cut.h"
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/cut.h"
+#include "nodes/bodies/cutting/section.h"
 #include "nodes/bodies/section/volume_section.h"
 #include "nodes/data/detail.h"
 #include "nodes/detail/residual/residual_field.h"

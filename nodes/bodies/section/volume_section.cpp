@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/bodies/section/pixel_regions.h"
+#include "nodes/bodies/cutting/pixel_regions.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/volume.h"
 

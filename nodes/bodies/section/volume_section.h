@@ -1,7 +1,7 @@
 // Plane sections of a volume.
 #pragma once
 
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/section.h"
 #include "nodes/data/opaque_volume.h"
 
 namespace terrazzo::section {

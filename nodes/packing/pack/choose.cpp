@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/rank.h"
@@ -18,6 +19,37 @@ constexpr double kIterations = 1500, kBodySteps = kIterations * 2500, kFewest = 
 constexpr double kEquiaxed = 0.6;  // least axis ratio
 constexpr std::size_t kFew = 5;    // profiles
 
+// Edges of a bed as wide as the photograph, so that a view of it does not repeat, and a few stones deep. It
+// holds about the requested number of stones at least, and a few times as many at most; empty if densities
+// are relative or the photograph's size is unknown.
+std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& distribution,
+                             const packing::PackOptions& options) {
+  constexpr double kDeep = 3, kMostStones = 3;  // largest stones, times the requested number
+  double density = 0;
+  for (const auto& e : distribution.shapes)
+    for (const double n : e.N_V) density += n;
+  if (!(distribution.volume_fraction > 0 && density > 0 && profiles.window.minCoeff() > 0)) return {};
+  const double least = kDeep * distribution.d_max, count = static_cast<double>(options.population.count);
+  Vec2 wide = profiles.window;
+  const double stones = density * wide.prod() * least;
+  if (stones > kMostStones * count) wide *= std::sqrt(kMostStones * count / stones);
+  if (wide.minCoeff() < least) return {};  // populate() leaves out the smallest stones then
+  return {wide.x(), wide.y(), std::max(least, std::min(count / (density * wide.prod()), wide.minCoeff()))};
+}
+
+// Stones that lie on each other are not grown into each other: if they jam, they are smaller than requested.
+Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
+                   const Particles* start, packing::PackOptions options, const Work& work) {
+  options.on_jam = packing::OnJam::Shrink;
+  options.lying = true;
+  if (options.population.edges.empty()) options.population.edges = bed_like(*profiles, distribution, options);
+  Choice choice;
+  choice.method = Method::Anneal;
+  choice.packed = packing::pack_particles(distribution, shapes, start, options, work);
+  choice.reason = "the photograph shows a surface: stones lie loosely, flat side down";
+  return choice;
+}
+
 }  // namespace
 
 double usual_axis_ratio(const Profiles& profiles) {
@@ -30,6 +62,8 @@ double usual_axis_ratio(const Profiles& profiles) {
 
 Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
                      const Particles* start, const packing::PackOptions& options, const Work& work) {
+  if (profiles != nullptr && profiles->view == View::Surface)
+    return lie_loosely(distribution, shapes, profiles, start, options, work);
   packing::PopulationOptions any = options.population;
   any.fills_space = true;
   const packing::Population population = packing::populate(distribution, shapes, nullptr, any, work.quiet());

@@ -17,7 +17,8 @@ struct Choice {
   std::string reason;              // a sentence
 };
 
-// Without a binder (a volume fraction of 0.97 or more): Laguerre. Where the particles can be packed: Anneal,
+// Stones of a surface lie loosely: Anneal, flat side down, as dense as they pack if less than requested. Of
+// sections: without a binder (a volume fraction of 0.97 or more): Laguerre. Where the particles can be packed: Anneal,
 // and the packing, which continues from `start` (may be null). From a fraction of 0.75 on, if the `profiles`
 // of the photograph (may be null) are equiaxed: Laguerre, since neighbors that leave each other so little
 // room take each other's shape, and the binder is in joints between them. Otherwise: Grow. Of the options,

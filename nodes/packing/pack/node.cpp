@@ -62,7 +62,9 @@ void compute(Context& c) {
     choice = choose_method(distribution, shapes, c.optional<Profiles>("profiles"),
                            c.optional<Particles>("start"), options, work.part(0, 0.5));
     work = work.part(0.5, 1);
-    if (choice.method != Method::Anneal) c.warn(choice.reason);
+    const Profiles* profiles = c.optional<Profiles>("profiles");
+    const bool surface = profiles && profiles->view == View::Surface;
+    if (choice.method != Method::Anneal || surface) c.warn(choice.reason);
   }
   const bool chosen = method == Method::Auto;
   if (chosen) method = choice.method;
@@ -99,8 +101,10 @@ NodeType pack_node() {
       .source_("Jagnow, Dorsey, Rushmeier 2004, section 4.1; see Tessellate")
       .input("distribution", "SizeDistribution", "Number density of particles by size class")
       .input("shapes", "Shapes", "Shapes referenced by the distribution, as closed meshes")
-      .optional_input("profiles", {"Profiles"},
-                      "Profiles of the photograph, for the thickness of the binder between neighbors")
+      .optional_input(
+          "profiles", {"Profiles"},
+          "Profiles of the photograph: the thickness of the binder between neighbors, and whether "
+          "it shows loose stones")
       .optional_input("start", {"Particles"},
                       "anneal: initial packing, for example of an interrupted run, see Anneal")
       .output("particles", "Particles", "The particles in the box [0, size)")
@@ -111,8 +115,9 @@ NodeType pack_node() {
               "volume error")
       .parameter(
           Parameter::choice("method", "auto", {"auto", "anneal", "grow", "laguerre"})
-              .doc_("auto: laguerre if at least 0.97 of the volume is particles, or 0.75 and the input "
-                    "`profiles` shows equiaxed ones; else anneal, or grow if rigid particles jam. anneal: "
+              .doc_("auto: anneal, with the flat side down, if the input `profiles` shows a surface. Else "
+                    "laguerre if at least 0.97 of the volume is particles, or 0.75 and the profiles are "
+                    "equiaxed; else anneal, or grow if rigid particles jam. anneal: "
                     "rigid particles. grow: particles with flat contacts. "
                     "laguerre: convex cells of given volumes."))
       .parameter(Parameter::choice("on_jam", "shrink", {"fail", "shrink", "drop"})

@@ -101,6 +101,8 @@ SegmentOptions options_of(const Context& c) {
   options.min_confidence = c.number("min_confidence");
   options.delight = c.text("delight") == "on";
   options.find_objects = c.boolean("find_objects");
+  for (const View view : {View::Section, View::Surface, View::Filling})
+    if (c.text("view") == name_of(view)) options.view = view;
   options.seed = c.seed();
   options.memory = c.memory();
   return options;
@@ -133,6 +135,23 @@ void report_reliability(Context& c, const Segmentation& s) {
       expected < 0.5)
     c.warn("the particles are uncertain: the expected average precision is " +
            fmt::format("{:.2f}", expected) + "; look at the outlines, set min_confidence, or connect labels");
+}
+
+// Which view it is, and why.
+void report_view(Context& c, const Segmentation& s) {
+  const View view = s.profiles.view;
+  for (const View one : {View::Section, View::Surface, View::Filling})
+    c.metric(fmt::format("view_{}", name_of(one)), view == one);
+  c.metric("judged_for_view", s.evidence.judged);
+  c.metric("shaded_like_stones", s.evidence.shaded);
+  if (view == View::Surface && c.text("view") == "auto")
+    c.warn(
+        fmt::format("the photograph shows a surface, not a cut: {:.0f} % of {} particles grow lighter from "
+                    "the rim to the "
+                    "middle, as whole stones do. Outlines count as silhouettes, and stones are packed "
+                    "loosely; if it is a "
+                    "cut, set view to section",
+                    100 * s.evidence.shaded, s.evidence.judged));
 }
 
 void warn_of_undecided(Context& c, double undecided) {
@@ -176,6 +195,7 @@ void compute(Context& c) {
   c.metric("undecided", undecided);
   if (!given) report_method(c, s);
   if (!given && options.method == Method::Auto && s.reliability.both > 0) report_reliability(c, s);
+  report_view(c, s);
   warn_of_undecided(c, undecided);
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
@@ -275,6 +295,13 @@ void add_measuring_parameters(NodeType& type) {
               .doc_("Removes uneven light, gloss and the shading of rounded particles before colors are "
                     "measured; see output delit. Use it for colors that will be lit again, as by a renderer. "
                     "off: colors as photographed, which a section beside the photograph needs."))
+      .parameter(
+          Parameter::choice("view", "auto", {"auto", "section", "surface", "filling"})
+              .doc_("What the photograph shows. section: a plane cut through particles in a binder. surface: "
+                    "whole stones from outside, such as a beach, a gravel bed or a bank: outlines are "
+                    "silhouettes that hide each other. filling: a cut through grains without a binder. auto: "
+                    "surface if particles are shaded like stones, filling if they cover at least 0.97 of the "
+                    "picture or there is no binder, else section; the metrics tell why."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"));
 }
 
@@ -282,7 +309,7 @@ void add_measuring_parameters(NodeType& type) {
 
 NodeType segment_node() {
   NodeType type =
-      NodeType("Segment", 17)
+      NodeType("Segment", 18)
           .doc_(
               "Finds the particles of a section in its photograph and measures each profile: divides the "
               "image "

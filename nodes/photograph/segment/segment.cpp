@@ -92,6 +92,14 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
   }
 }
 
+// What the photograph shows, as the options say or the picture does.
+void decide_view(const Image& photo, const SegmentOptions& options, Segmentation& s, const Work& work) {
+  s.evidence = view_evidence(photo, s.labels, work);
+  const double covered = options.binder.kind == Hint::Kind::None ? 1 : s.profiles.area_fraction;
+  const View judged = judged_view(s.evidence, covered);
+  set_view(s.profiles, options.view.value_or(judged), s.evidence);
+}
+
 void measure_scales(const Image& photo, Segmentation& s) {
   for (FoundObject& o : s.not_material)
     o.scale =
@@ -131,6 +139,7 @@ Segmentation segment(const Image& photo, const SegmentOptions& given, const Work
                                 s.undecided, work.part(tiled ? 0.9 : 0.8, 1));
   for (std::size_t k = 0; k < s.profiles.profiles.size(); ++k)
     s.profiles.profiles[k].confidence = found.confidence[k];
+  decide_view(photo, options, s, work.quiet());
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }
@@ -174,6 +183,7 @@ Segmentation measure_labels(const Image& image, const Labels& labels, const Segm
   if (options.delight) s.delit = delight(image, s.labels, s.ignored, work);
   s.profiles =
       measure_profiles(options.delight ? s.delit : image, s.labels, coverage, s.ignored, s.undecided, work);
+  decide_view(image, options, s, work.quiet());
   if (options.color_classes != 1) classify(s, options.color_classes, options.seed, work);
   return s;
 }

@@ -13,6 +13,7 @@
 #include "nodes/photograph/segment/color/particles.h"
 #include "nodes/photograph/segment/marks/ignored.h"
 #include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/segment/measure/view.h"
 #include "nodes/photograph/segment/network/network.h"
 #include "nodes/photograph/segment/scribbles/scribbles.h"
 
@@ -32,6 +33,7 @@ struct SegmentOptions {
   IgnoredPixels ignored;
   bool find_objects = true;  // whether captions and rulers are found and ignored
   int color_classes = 1;     // 0: automatic
+  std::optional<View> view;  // what the photograph shows; none: judged by the picture (measure/view.h)
   bool delight = false;      // whether colors are measured without the photograph's light (delight.h)
   std::uint64_t seed = 1;
   std::uint64_t memory = std::numeric_limits<std::uint64_t>::max();  // bytes that may be used
@@ -57,6 +59,7 @@ struct Segmentation {
   Reliability reliability;
   std::int64_t unlikely = 0;              // particles dropped for their confidence
   std::vector<FoundObject> not_material;  // found and ignored
+  ViewEvidence evidence;                  // of the view
 };
 
 // Pictures of more than 4096² pixels are segmented in tiles (tiles.h). Throws Error "empty-image",

@@ -18,7 +18,8 @@ namespace {
 using Features = std::array<double, 4>;
 constexpr std::size_t kConvexity = 2;
 
-constexpr std::size_t kMost = 1500;  // candidates; the choice is quadratic in their number
+constexpr double kNearlyWhole = 0.85;  // share of a silhouette that must be visible
+constexpr std::size_t kMost = 1500;    // candidates; the choice is quadratic in their number
 
 // Standardizes each feature: zero mean, unit standard deviation.
 std::vector<Features> features_of(const std::vector<Outline>& outlines) {
@@ -136,6 +137,7 @@ std::string Candidates::text() const {
   };
   add(without_contour, "without a contour");
   add(cut_by_border, "cut by the border");
+  add(hidden, "partly hidden by others");
   add(too_small, "too small");
   add(faulty, "with a contour that crosses itself or encloses no area");
   add(other_class, "of other classes");
@@ -158,6 +160,8 @@ Candidates candidates_of(const Profiles& profiles, const CandidateOptions& optio
       ++out.without_contour;
     } else if (p.touches_border) {
       ++out.cut_by_border;
+    } else if (p.area < kNearlyWhole * p.whole) {
+      ++out.hidden;
     } else {
       double area = 0;
       std::vector<double> steps;

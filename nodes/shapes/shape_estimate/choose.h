@@ -15,6 +15,7 @@ namespace terrazzo::shape_estimate {
 struct Candidates {
   std::vector<Outline> outlines;  // by decreasing area
   int without_contour = 0, cut_by_border = 0, too_small = 0, faulty = 0, other_class = 0;
+  int hidden = 0;            // partly, by other stones of a surface
   std::string text() const;  // "12 usable, 3 cut by the border, …"
 };
 

@@ -8,6 +8,7 @@
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/fit.h"
+#include "nodes/shapes/shape_estimate/from_above.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "nodes/shapes/shape_estimate/self_intersections.h"
 
@@ -29,11 +30,22 @@ struct Chosen {
 
 constexpr std::size_t kFitHands = 4;
 
-// The method that the parameter names; with auto, fit if there are enough profiles.
+// Shapes if `count` is auto: three bodies have the statistics of sections, but silhouettes are seen one by
+// one.
+constexpr int kBodies = 3, kSilhouettes = 12;
+
+int count_of_shapes(const Context& c, const Profiles& profiles, const EstimateMethod& method) {
+  const bool silhouettes = profiles.view == View::Surface && method.run;
+  return c.optional_integer("count").value_or(silhouettes ? kSilhouettes : kBodies);
+}
+
+// The method that the parameter names. With auto: stones of a surface have a silhouette of the photograph;
+// otherwise fit if there are enough profiles.
 const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
   const std::string name = c.text("method");
   if (name != "auto") return method_of(name);
-  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
+  if (c.keyword("profiles").empty() || profiles.view == View::Surface)
+    return method_of("morphed_generalized_cylinder");
   const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
   return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
 }
@@ -53,7 +65,7 @@ const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method,
               const CandidateOptions& options) {
   // The method that estimates all shapes together starts from several groups of profiles.
-  const auto shapes = method.run ? static_cast<std::size_t>(c.integer("count")) : kFitHands;
+  const auto shapes = method.run ? static_cast<std::size_t>(count_of_shapes(c, profiles, method)) : kFitHands;
   auto each = std::max<std::size_t>(method.least, c.integer("profiles_per_shape"));
   if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
@@ -124,7 +136,17 @@ Attempt attempt(const EstimateMethod& method, EstimateRequest request, bool any_
   return best;
 }
 
-ClassEstimate estimate_fit(Context& c, const Chosen& chosen, const Work& work) {
+// The height of stones relative to the shorter axis that a surface shows; none for sections.
+std::optional<double> thickness_of(Context& c, const Profiles& profiles, const Chosen& chosen) {
+  if (profiles.view != View::Surface) return {};
+  const auto given = c.optional_number("thickness");
+  const double thickness = given.value_or(assumed_thickness(chosen.all));
+  c.metric("thickness", thickness);
+  return thickness;
+}
+
+ClassEstimate estimate_fit(Context& c, const Chosen& chosen, std::optional<double> thickness,
+                           const Work& work) {
   if (chosen.all.size() < kFitLeast)
     throw Error(
         "too-few-profiles",
@@ -136,9 +158,11 @@ ClassEstimate estimate_fit(Context& c, const Chosen& chosen, const Work& work) {
   FitRequest request;
   request.hands = chosen.shapes;
   request.all = &chosen.all;
-  request.count = c.integer("count");
+  request.count = c.optional_integer("count").value_or(kBodies);
   request.smallest = c.number("smallest");
   request.one_size = c.text("sizes") == "equal";
+  request.from_above = thickness.has_value();
+  request.thickness = thickness.value_or(1);
   request.rounds = c.integer("rounds");
   request.seed = c.seed();
   Fit fit = fit_bodies(request, work.part(0, 0.95));
@@ -159,8 +183,9 @@ ClassEstimate estimate_fit(Context& c, const Chosen& chosen, const Work& work) {
 }
 
 ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chosen& chosen,
-                            const Work& all_work) {
-  const std::string axis = c.text("axis");
+                            std::optional<double> thickness, const Work& all_work) {
+  // The base of a stone that lies flat is its silhouette.
+  const std::string axis = thickness && c.text("axis") == "auto" ? "short" : c.text("axis");
   ClassEstimate out;
   const std::size_t count = chosen.shapes.size();
   for (std::size_t s = 0; s < count; ++s) {
@@ -192,6 +217,10 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
       c.warn(fmt::format(
           "the silhouettes of {} cut each other: they are reproduced only to {:.1f} % of their diameter",
           name, 100 * made.estimate.deviation));
+    if (thickness) {
+      lie_down(made.estimate.mesh);
+      give_thickness(made.estimate.mesh, *thickness);
+    }
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
     out.triangles += shape.mesh.triangles.size();
@@ -208,7 +237,9 @@ ClassEstimate estimate_class(Context& c, const Profiles& profiles, const Candida
                              const Work& work) {
   const EstimateMethod& method = chosen_method(c, profiles, options);
   const Chosen chosen = choose(c, profiles, method, options);
-  ClassEstimate out = method.run ? estimate_each(c, method, chosen, work) : estimate_fit(c, chosen, work);
+  const auto thickness = thickness_of(c, profiles, chosen);
+  ClassEstimate out = method.run ? estimate_each(c, method, chosen, thickness, work)
+                                 : estimate_fit(c, chosen, thickness, work);
   out.usable = chosen.usable;
   return out;
 }

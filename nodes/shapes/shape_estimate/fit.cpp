@@ -9,6 +9,7 @@
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/shapes/shape_estimate/feature_match.h"
+#include "nodes/shapes/shape_estimate/from_above.h"
 #include "nodes/shapes/shape_estimate/least_squares.h"
 #include "nodes/shapes/shape_estimate/methods/body_family.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
@@ -184,18 +185,24 @@ std::size_t planes_per_trial(const FitRequest& request, std::size_t profiles) {
   return request.planes ? request.planes : std::clamp(profiles, kLeastPlanes, most);
 }
 
+// What a photograph shows of a body.
+std::vector<CutProfile> shown(const Mesh& mesh, std::size_t planes, bool from_above) {
+  return from_above ? seen_from_above(mesh, planes) : cut_sections(mesh, planes);
+}
+
 // Sections of bodies, as the profiles would show them.
 struct SectionSampling {
   OutlineMeasuring measuring;
   double blur;
   SizeSelection selection;
+  bool from_above;
 
   FeatureSample measure(std::vector<CutProfile> sections) const {
     selection.apply(sections);
     return measured(sections, measuring, blur);
   }
   FeatureSample sample(const Mesh& mesh, std::size_t planes) const {
-    return measure(cut_sections(mesh, planes));
+    return measure(shown(mesh, planes, from_above));
   }
 };
 
@@ -385,16 +392,19 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   const FeatureTarget target(observed.sample, request.one_size, request.seed);
 
   auto starts = starting_bodies(request, work.part(0, 0.05));
+  if (request.from_above)
+    for (Start& s : starts) lie_down(s.mesh);
   if (starts.empty())
     throw Error("no-start", "none of the other methods can build a body from these profiles",
                 "check the profiles, or choose others by their ids");
   std::vector<std::vector<CutProfile>> started(starts.size());
   work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) started[i] = cut_sections(starts[i].mesh, planes);
+    for (std::size_t i = begin; i < end; ++i) started[i] = shown(starts[i].mesh, planes, request.from_above);
   });
   const SectionSampling sampling{observed.measuring, observed.blur,
                                  request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
-                                                  : SizeSelection(observed.sizes, started)};
+                                                  : SizeSelection(observed.sizes, started),
+                                 request.from_above};
   sort_starts(starts, std::move(started), target, sampling);
 
   Fit fit;
@@ -406,6 +416,8 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     fit.bodies.push_back(search.next(k, work.part(from, from + 0.83 / request.count)));
   }
   mix(fit, target, sampling, work.part(0.98, 1));
+  if (request.from_above)
+    for (FittedBody& body : fit.bodies) give_thickness(body.mesh, request.thickness);
   return fit;
 }
 

@@ -19,7 +19,11 @@ struct FitRequest {
   int count = 3;          // number of bodies
   double smallest = 0.4;  // as in CandidateOptions, for sections of the bodies
   bool one_size = false;  // the particles are known to have one size: areas are compared too
-  int rounds = 3;         // rounds of the search for each body
+  // The outlines are silhouettes of stones that lie flat, seen from above. Bodies lie with z upright, and
+  // their height, which the outlines don't show, is `thickness` times the shorter axis of their silhouette.
+  bool from_above = false;
+  double thickness = 1;
+  int rounds = 3;  // rounds of the search for each body
   int subdivision = 1;
   // Sections of each trial; 0: the number of profiles, at least 144, and at most 85 per round or 512.
   std::size_t planes = 0;

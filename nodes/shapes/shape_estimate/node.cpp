@@ -104,8 +104,10 @@ Parameter method_parameter() {
                        m.least == 1 && m.most == 1 ? "" : "s", m.doc);
   }
   names.push_back("auto");
-  doc += fmt::format(" auto: fit with at least {} usable profiles, morphed_generalized_cylinder with fewer.",
-                     kFitEnough);
+  doc += fmt::format(
+      " auto: fit with at least {} usable profiles of sections, otherwise "
+      "morphed_generalized_cylinder.",
+      kFitEnough);
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
 }
 
@@ -118,9 +120,9 @@ NodeType shape_estimate_node() {
   using namespace shape_estimate;
   return NodeType("ShapeEstimate", 10)
       .doc_(
-          "Estimates plausible particle shapes from the outlines of their plane sections. How the sections "
-          "of different particles are arranged in space is unknown; each method makes a different "
-          "assumption.")
+          "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
+          "silhouettes that a surface shows. How the sections of different particles are arranged in space "
+          "is unknown; each method makes a different assumption.")
       .source_(
           "Jagnow, Dorsey, Rushmeier 2008, section 3; Hobolth, Jensen 2002; Dischler, Ghazanfarpour 1999")
       .input("profiles", "Profiles", "Profiles with contours, as from Segment or Section")
@@ -136,10 +138,10 @@ NodeType shape_estimate_node() {
               .doc_("Profiles to use. representative: the most common kinds. largest: the largest. diverse: "
                     "the most different. Otherwise ids as in Labels (1 is the first): `profiles_per_shape` "
                     "ids per shape; with fewer, every shape uses all of them, each with a different base."))
-      .parameter(Parameter::integer("count", 3)
+      .parameter(Parameter::optional_integer("count", "auto")
                      .range(1, 100)
                      .doc_("Number of different shapes. With fit, the maximum: shapes of negligible weight "
-                           "are dropped."))
+                           "are dropped. auto: 3, and 12 of a surface except with fit."))
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
                      .doc_("Number of profiles per shape, within the limits of the method"))
@@ -158,8 +160,8 @@ NodeType shape_estimate_node() {
           Parameter::choice("axis", "auto", {"auto", "short", "long", "alternate"})
               .doc_("Orientation of profiles on the base. short: lying, for flat and equant shapes. "
                     "long: upright, for elongated shapes. auto: the one that scales the profiles less, "
-                    "which is right for the principal sections of one body. alternate: short and long "
-                    "in turn."))
+                    "which is right for the principal sections of one body; short for a surface. alternate: "
+                    "short and long in turn."))
       .parameter(
           Parameter::number("crease", 30)
               .unit_("degrees")
@@ -174,6 +176,12 @@ NodeType shape_estimate_node() {
           Parameter::choice("sizes", "unknown", {"unknown", "equal"})
               .doc_("Particle sizes, for method fit. equal: all particles have one size, so the areas of "
                     "their profiles carry information about their shape. unknown: areas are not used."))
+      .parameter(
+          Parameter::optional_number("thickness", "auto")
+              .range(0.05, 2)
+              .doc_("Stones of a surface lie flat, so that a photograph shows their two longer axes: their "
+                    "height relative to the shorter of these two. auto: the median ratio of the two axes, an "
+                    "assumption (metric thickness). Not used for sections."))
       .parameter(Parameter::integer("rounds", 3)
                      .range(1, 60)
                      .doc_("Number of search rounds per shape, for method fit"))

@@ -20,11 +20,19 @@ Profile profile_of(const JsonObject& o) {
   p.weight = o.number("weight", 0);
   p.confidence = o.number("confidence", 0, 1);
   p.color = o.vector<Vec3f>("color");
+  if (o.has("whole")) p.whole = o.number("whole", p.area);
   if (!o.has("contour")) return p;
   const Json& contour = o.field("contour");
   if (!contour.is_array() || contour.size() < 3) o.fail("the field contour needs at least three points");
   for (const Json& point : contour) p.contour.push_back(o.vector<Vec2>("contour", point));
   return p;
+}
+
+View view_of(const JsonObject& all) {
+  const std::string word = all.text("view");
+  for (const View view : {View::Section, View::Surface, View::Filling})
+    if (word == name_of(view)) return view;
+  all.fail(fmt::format("has the view '{}', but a view is section, surface or filling", word));
 }
 
 }  // namespace
@@ -45,6 +53,8 @@ Profiles read_profiles_json(const std::string& text, const std::string& file) {
   out.window = all.vector<Vec2>("window");
   out.binder_color = all.vector<Vec3f>("binder_color");
   out.area_fraction = all.number("area_fraction", 0, 1);
+  if (all.has("view")) out.view = view_of(all);
+  if (all.has("light")) out.light = all.vector<Vec2>("light");
   for (const Json& j : all.list("profiles")) {
     const JsonObject one(j, source, fmt::format("profile {}: ", out.profiles.size()), "bad-profile");
     out.profiles.push_back(profile_of(one));

@@ -17,6 +17,8 @@ using namespace unfolding;
 constexpr double kLimitEffect = 0.25;
 // χ² per degree of freedom from which shapes or limits are wrong, whatever the counting noise.
 constexpr double kPoorFit = 10;
+// Volume fraction above which stones that lie loosely do not pack.
+constexpr double kDensestBed = 0.7;
 // Volume fraction from which rigid particles cannot be packed, and sphericity of bodies that are rounder than
 // any that fill space: Kelvin's cell has 0.80, the cells of random tessellations less.
 constexpr double kNearlyFull = 0.9, kRounderThanCells = 0.85;
@@ -169,7 +171,15 @@ void compute(Context& c) {
     c.warn(fmt::format(
         "{:.0f} % of the densities were negative and were set to zero; method: em keeps densities positive",
         100 * negative));
-  if (!r.observations.relative && std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
+  const bool surface = profiles.view == View::Surface;
+  if (surface && !r.observations.relative && r.distribution.volume_fraction > kDensestBed)
+    c.warn(
+        fmt::format("the stones would fill {:.3g} of the volume, more than loose stones can: outlines may "
+                    "show several stones as one; look at the labels, or set view of Segment to section if "
+                    "the photograph shows a cut",
+                    r.distribution.volume_fraction));
+  if (!surface && !r.observations.relative &&
+      std::abs(r.distribution.volume_fraction - fraction) > 0.1 * fraction)
     c.warn(fmt::format(
         "the estimated particles fill {:.3g} of the volume, but the profiles cover {:.3g} of the section",
         r.distribution.volume_fraction, fraction));
@@ -186,7 +196,7 @@ void compute(Context& c) {
     c.warn(fmt::format("only {} profiles for {} classes: use fewer classes or a larger photograph",
                        r.observations.used, r.model.visible()));
   if (!r.observations.relative) report_limit(c, profiles, kmatrix, o, r);
-  warn_of_shapes(c, r, kmatrix);
+  if (!surface) warn_of_shapes(c, r, kmatrix);
   c.metric("classes", r.model.classes());
   c.metric("freedom", freedom);
   if (o.method == unfolding::Method::Em) c.metric("jumps", jumps);
@@ -221,8 +231,11 @@ NodeType unfold_node() {
   return NodeType("Unfold", 9)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
-          "sections. Each color class is unfolded separately; shapes are mixed by their probabilities.")
-      .source_("Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12; Silverman et al. 1990 (em)")
+          "sections, or of the silhouettes that a surface shows. Each color class is unfolded separately; "
+          "shapes are mixed by their probabilities.")
+      .source_(
+          "Jagnow, Dorsey, Rushmeier 2004, section 3, eq. 8 and 12; Silverman et al. 1990 (em); Kellerhals, "
+          "Bray 1971 (surfaces)")
       .input("profiles", "Profiles", "Profiles observed in the sections, with the observed area")
       .input("kmatrix", "KMatrix", "Section statistics of the particle shapes")
       .output("distribution", "SizeDistribution",

@@ -52,10 +52,22 @@ std::vector<double> division(double low, double high, const std::vector<double>&
   return inner;
 }
 
+// Mean height of lying stones relative to their size: that of ellipsoids with their volume and largest
+// section, which is their silhouette. 1 for balls.
+double relative_height(const KMatrix& k) {
+  double sum = 0, total = 0;
+  for (const auto& e : k.shapes) {
+    sum += e.probability * 1.5 * e.volume / (e.max_section_area * size_of(e));
+    total += e.probability;
+  }
+  return total > 0 ? sum / total : 1;
+}
+
 }  // namespace
 
 Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profile_edges,
-                             const std::vector<double>& size_edges, bool upper_edge) {
+                             const std::vector<double>& size_edges, bool upper_edge, const Hiding* surface) {
+  if (surface) return relative_height(k) * surface->matrix(profile_edges, size_edges);
   double total = 0;
   for (const auto& e : k.shapes) total += e.probability;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(profile_edges.size() - 1, size_edges.size() - 1);
@@ -68,7 +80,7 @@ Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profil
 }
 
 UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible,
-                       const std::vector<double>& profiles) {
+                       const std::vector<double>& profiles, const Hiding* surface) {
   check(k);
   UnfoldModel m;
   m.equal = classes;
@@ -91,7 +103,7 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
   m.edges.insert(m.edges.begin() + m.first + 1, inner.begin(), inner.end());
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
-  m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge);
+  m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge, surface);
   for (int j = 0; j < m.visible(); ++j)
     if (!(m.matrix.col(j).sum() > 0))
       throw Error("bad-kmatrix",

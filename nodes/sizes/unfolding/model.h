@@ -7,11 +7,13 @@
 
 #include "nodes/data/indices.h"
 #include "nodes/data/kmatrix.h"
+#include "nodes/sizes/unfolding/hiding.h"
 
 namespace terrazzo::unfolding {
 
 // Sizes and profiles in equal classes of [0, d_max], shapes mixed by their probabilities (Jagnow et al. 2004,
-// eq. 10–12). Classes below `first` show no profile as large as `smallest_visible` and are left out.
+// eq. 10–12), or as a surface shows them. Classes below `first` show no profile as large as
+// `smallest_visible` and are left out.
 struct UnfoldModel {
   std::vector<double> edges;          // n + 1, mm; edge `first` is raised to smallest_visible
   int equal = 0;                      // number of classes before the first visible one was divided
@@ -30,11 +32,13 @@ struct UnfoldModel {
 // average: sizes in a class count as uniform, and the smallest particles are the most frequent ones. Throws
 // Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
 UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible,
-                       const std::vector<double>& profiles = {});
+                       const std::vector<double>& profiles = {}, const Hiding* surface = nullptr);
 
-// The model matrix for other classes: a row per profile class, a column per size class.
+// The model matrix for other classes: a row per profile class, a column per size class. Of a `surface`,
+// only the mean height of the shapes matters: one layer of stones is as deep as they are high.
 Eigen::MatrixXd model_matrix(const KMatrix&, const std::vector<double>& profile_edges,
-                             const std::vector<double>& size_edges, bool upper_edge);
+                             const std::vector<double>& size_edges, bool upper_edge,
+                             const Hiding* surface = nullptr);
 
 // Weighted counts of sizes in the classes between `edges`; sizes outside are ignored.
 struct Counts {

@@ -62,7 +62,7 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
     }
     counted_area[p.cls] += weight * p.area;
     counted += weight * p.area;
-    const double size = std::sqrt(4 * p.area / std::numbers::pi);
+    const double size = std::sqrt(4 * std::max(p.area, p.whole) / std::numbers::pi);
     if (size < smallest_visible) {
       ++o.hidden;
       continue;
@@ -83,11 +83,15 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
                 o.cut > 0 ? "set border: all, or use a photograph with particles that the border does not cut"
                           : "lower smallest_visible");
 
-  const double known_fraction = area_fraction > 0 ? area_fraction : profiles.area_fraction;
+  const bool surface = profiles.view == View::Surface;
+  const double measured = !surface                       ? profiles.area_fraction
+                          : shows_loose_stones(profiles) ? kLooseFraction
+                                                         : 0;
+  const double known_fraction = area_fraction > 0 ? area_fraction : measured;
   o.area = profiles.observed_area;
   o.relative = !(o.area > 0) && !(known_fraction > 0);
   if (!(o.area > 0)) o.area = all / (o.relative ? 1 : known_fraction);
-  if (o.relative) return o;
+  if (o.relative || (surface && !(known_fraction > 0))) return o;
   // Cut profiles are part of the area fraction, however their number is corrected.
   for (int c = 0; c < classes; ++c)
     o.classes[c].area_fraction =

@@ -8,18 +8,23 @@
 
 namespace terrazzo::unfolding {
 
+// Volume fraction of loose stones, and its relative error. Balls fill 0.60 to 0.64 (Scott and Kilgour 1969),
+// stones that were only dropped 0.55; smaller ones between large ones add some.
+inline constexpr double kLooseFraction = 0.58, kLooseError = 0.07;
+
 enum class Border {
   Weights,  // each profile has Profile::weight: zero for those cut by the border, more for larger ones
   Inside,   // profiles that the border does not cut have weight 1, the others 0
   All       // every profile has weight 1, cut ones with their visible area
 };
 
-struct Observation {                 // one color class
-  std::vector<double> size;          // √(4·A/π), mm, of each profile used
-  std::vector<double> weight;        // number of profiles that it represents, > 0
-  std::vector<int> section;          // index of its section
+struct Observation {           // one color class
+  std::vector<double> size;    // √(4·A/π), mm, of each profile used; of a surface, of its silhouette
+  std::vector<double> weight;  // number of profiles that it represents, > 0
+  std::vector<int> section;    // index of its section
   std::vector<std::size_t> profile;  // its index in Profiles
-  double area_fraction = 0;          // share of the section's area, cut profiles included
+  double area_fraction = 0;          // share of the volume: of the section's area, cut profiles included, or
+  // of loose stones; 0: unknown, as of stones in soil
 };
 
 struct Observations {

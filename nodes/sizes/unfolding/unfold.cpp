@@ -36,7 +36,7 @@ struct ClassFit {
 
 // One color class. `em_model` is null for the other methods.
 ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, const UnfoldOptions& options,
-                   const EmModel* em_model, const Work& work) {
+                   const EmModel* em_model, double fraction_error, const Work& work) {
   const Observation& q = o.classes[c];
   ClassFit out;
   UnfoldFit& fit = out.fit;
@@ -45,7 +45,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
 
   EmFit em;
   if (em_model) {
-    em = fit_em(*em_model, q, o.area, kFractionError, work.part(0, 0.3));
+    em = fit_em(*em_model, q, o.area, fraction_error, work.part(0, 0.3));
     fit.density = em_model->reclass * em.density;
     fit.refitted = em_model->coarse * em.density;
     for (const auto& f : em.fits) {
@@ -54,7 +54,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     }
   } else {
     if (options.method == Method::Nnls) {
-      fit.density = solve_nnls(m, counts, o.area, q.area_fraction, kFractionError);
+      fit.density = solve_nnls(m, counts, o.area, q.area_fraction, fraction_error);
     } else {
       const VectorXd x = solve_inverse(m, fit.observed);
       fit.negative = x.cwiseMin(0).cwiseAbs().sum() / std::max(x.cwiseAbs().sum(), 1e-300);
@@ -68,10 +68,10 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
   out.intervals = bootstrap(
       q, o.sections, options.bootstrap, options.seed, c,
       [&](const std::vector<double>& weights, double ratio, Random& random) -> VectorXd {
-        if (em_model) return draw_em(*em_model, em, q, weights, o.area, ratio, kFractionError, random);
+        if (em_model) return draw_em(*em_model, em, q, weights, o.area, ratio, fraction_error, random);
         const Counts again = count(q.size, weights, m.profile_edges);
         if (options.method == Method::Nnls)
-          return solve_nnls(m, again, o.area, q.area_fraction * ratio, kFractionError);
+          return solve_nnls(m, again, o.area, q.area_fraction * ratio, fraction_error);
         return solve_inverse(m, again.sum / o.area).cwiseMax(0);
       },
       work.part(0.3, 1));
@@ -85,6 +85,25 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     high = std::max(high, fit.density[j] + kAbove * profile);
   }
   return out;
+}
+
+// Adds the error of the law of hiding to intervals, which contain that of counting.
+void add_hiding_error(ClassFit& f) {
+  constexpr double kOneSided = 1.645;  // standard deviations, of a 90 % interval
+  for (std::size_t j = 0; j < f.intervals.low.size(); ++j) {
+    const double density = f.fit.density[j], error = kOneSided * kHidingError * density;
+    auto& low = f.intervals.low[j];
+    auto& high = f.intervals.high[j];
+    low = std::max(0.0, density - std::hypot(density - low, error));
+    high = density + std::hypot(high - density, error);
+  }
+}
+
+// How the stones that were found hide each other.
+Hiding hiding_of(const UnfoldResult& r) {
+  Eigen::VectorXd volume = Eigen::VectorXd::Zero(r.model.visible());
+  for (const auto& f : r.fits) volume += f.density.cwiseProduct(r.model.volume);
+  return {r.model.profile_edges, volume};
 }
 
 void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, std::size_t c,
@@ -145,7 +164,7 @@ bool is_finite(const UnfoldResult& r) {
 
 // Unfolds with a given number of size classes.
 UnfoldResult unfold_classes(Observations o, int classes, double visible, const KMatrix& k,
-                            const UnfoldOptions& options, const Work& work) {
+                            const UnfoldOptions& options, const Hiding* surface, const Work& work) {
   UnfoldResult r;
   double d_max = options.d_max;
   if (d_max > 0 && d_max < o.largest * (1 - 1e-9))
@@ -161,11 +180,12 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
                             o.classes.size(), k.shapes.size()),
                 "connect one shape per class, or set types: mixed")
         .parameter("types");
+  if (d_max <= 0 && surface) d_max = o.largest * (1 + 1e-9);  // silhouettes show whole sizes
   if (d_max <= 0) d_max = estimate_d_max(o, k, options.types, classes, visible, work.part(0, 0.3));
   std::vector<double> profiles;
   if (options.classes == 0 && options.method == Method::Em)
     for (const auto& q : o.classes) profiles.insert(profiles.end(), q.size.begin(), q.size.end());
-  r.model = make_model(k, classes, d_max, visible, profiles);
+  r.model = make_model(k, classes, d_max, visible, profiles, surface);
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
   const bool em = options.method == Method::Em;
@@ -179,9 +199,11 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * i / count_of_classes; };
     const KMatrix own = kmatrix_of(k, options.types, c);
     const UnfoldModel model =
-        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles) : m;
-    const EmModel em_model = em ? make_em_model(own, model) : EmModel{};
-    const ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
+        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles, surface) : m;
+    const EmModel em_model = em ? make_em_model(own, model, surface) : EmModel{};
+    ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr,
+                           surface ? kLooseError : kFractionError, work.part(at(c), at(c + 1)));
+    if (surface) add_hiding_error(f);
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
       const double expected = f.fit.refitted[i] * o.area, seen = f.fit.observed[i] * o.area;
       if (expected > 0) {
@@ -201,6 +223,20 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     make_room(r);
   r.observations = std::move(o);
   return r;
+}
+
+// Sizes of a surface and how stones hide each other depend on each other: a few rounds, which change little
+// after the second.
+UnfoldResult unfold_surface(const Observations& o, int classes, double visible, const KMatrix& k,
+                            const UnfoldOptions& options, const Work& work) {
+  constexpr int kRounds = 4;
+  UnfoldOptions quick = options;
+  quick.bootstrap = 0;
+  Hiding hiding;
+  for (int round = 1; round < kRounds; ++round)
+    hiding = hiding_of(
+        unfold_classes(o, classes, visible, k, quick, &hiding, work.part(0.1 * (round - 1), 0.1 * round)));
+  return unfold_classes(o, classes, visible, k, options, &hiding, work.part(0.3, 1));
 }
 
 }  // namespace
@@ -246,7 +282,9 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
                 "use a larger photograph, or border: all");
   for (int classes = options.classes > 0 ? options.classes : std::min(k.classes, classes_for(o.used));;
        --classes) {
-    UnfoldResult r = unfold_classes(o, classes, visible, k, options, work);
+    UnfoldResult r = profiles.view == View::Surface
+                         ? unfold_surface(o, classes, visible, k, options, work)
+                         : unfold_classes(o, classes, visible, k, options, nullptr, work);
     const bool finite = is_finite(r);
     if (finite && (o.relative || r.distribution.volume_fraction <= 1)) return r;
     if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes

@@ -9,28 +9,12 @@
 #include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
 #include "nodes/photograph/segment/color/split.h"
+#include "nodes/photograph/segment/measure/pixel_lists.h"
 
 namespace terrazzo::segment {
 namespace {
 
 float luminance(const Vec3f& c) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
-
-// The pixels of each label of one section, label after label.
-struct PixelLists {
-  std::vector<std::size_t> first;  // of label k at k − 1, and the end
-  std::vector<std::int32_t> pixels;
-
-  PixelLists(const std::int32_t* ids, std::size_t size, std::int32_t low, std::int32_t count) {
-    first.assign(count + 1, 0);
-    for (std::size_t i = 0; i < size; ++i)
-      if (ids[i] >= low) ++first[ids[i] - low + 1];
-    for (std::size_t k = 1; k < first.size(); ++k) first[k] += first[k - 1];
-    pixels.resize(first.back());
-    std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    for (std::size_t i = 0; i < size; ++i)
-      if (ids[i] >= low) pixels[next[ids[i] - low]++] = i;
-  }
-};
 
 // Logarithm of the uneven light on a small copy, mean 0.
 cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, const IgnoredPixels& ignored,
@@ -76,19 +60,19 @@ Eigen::Vector4d fit_shading(const std::vector<Eigen::Vector4d>& basis, const std
 }
 
 // Evens out the shading of one particle.
-void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, int width,
+void flatten(Vec3f* pixels, std::span<const std::int32_t> places, int width,
              const std::vector<float>& depth2) {
-  const std::size_t n = end - begin;
+  const std::size_t n = places.size();
   constexpr std::size_t kSmallest = 60;
   if (n < kSmallest) return;
   double cx = 0, cy = 0;
   float deepest = 0;
   std::vector<float> light(n);
   for (std::size_t k = 0; k < n; ++k) {
-    cx += begin[k] % width;
-    cy += begin[k] / width;
-    deepest = std::max(deepest, std::sqrt(depth2[begin[k]]));
-    light[k] = luminance(pixels[begin[k]]);
+    cx += places[k] % width;
+    cy += places[k] / width;
+    deepest = std::max(deepest, std::sqrt(depth2[places[k]]));
+    light[k] = luminance(pixels[places[k]]);
   }
   cx /= n;
   cy /= n;
@@ -101,8 +85,8 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
 
   std::vector<Eigen::Vector4d> basis(n);
   for (std::size_t k = 0; k < n; ++k) {
-    const double d = std::sqrt(depth2[begin[k]]) / deepest;
-    basis[k] = {1, (begin[k] % width - cx) / radius, (begin[k] / width - cy) / radius,
+    const double d = std::sqrt(depth2[places[k]]) / deepest;
+    basis[k] = {1, (places[k] % width - cx) / radius, (places[k] / width - cy) / radius,
                 std::sqrt(d * (2 - d))};
   }
   const Eigen::Vector4d fit = fit_shading(basis, light, middle, spread);
@@ -120,7 +104,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
   std::vector<float> even(n);
   std::vector<float> channel[3];
   for (std::size_t k = 0; k < n; ++k) {
-    Vec3f& c = pixels[begin[k]];
+    Vec3f& c = pixels[places[k]];
     const double factor = level / std::clamp(basis[k].dot(fit), 0.35 * level, 2.5 * level);
     c *= static_cast<float>(1 + trust * (factor - 1));
     even[k] = luminance(c);
@@ -131,7 +115,7 @@ void flatten(Vec3f* pixels, const std::int32_t* begin, const std::int32_t* end, 
   for (std::size_t k = 0; k < n; ++k) away[k] = std::abs(even[k] - bright);
   const float limit = bright + 4 * std::max(0.05f * bright, 1.4826f * median(away));
   for (std::size_t k = 0; k < n; ++k)
-    if (even[k] > limit) pixels[begin[k]] = usual;
+    if (even[k] > limit) pixels[places[k]] = usual;
 }
 
 }  // namespace
@@ -143,14 +127,7 @@ Image delight(const Image& photo, const Labels& labels, const IgnoredPixels& ign
     work.check();
     const std::size_t before = size * section;
     const std::int32_t* ids = labels.ids.data() + before;
-    std::int32_t low = 0x7fffffff, high = 0;
-    for (std::size_t i = 0; i < size; ++i)
-      if (ids[i] > 0) {
-        low = std::min(low, ids[i]);
-        high = std::max(high, ids[i]);
-      }
-    if (high == 0) low = 1;
-    const PixelLists lists(ids, size, low, high - low + 1);
+    const PixelLists lists(std::span(ids, size));
 
     // Particles and binder differ in color, so each of the two is compared with its own median.
     std::vector<float> light[2];
@@ -167,10 +144,9 @@ Image delight(const Image& photo, const Labels& labels, const IgnoredPixels& ign
 
     const std::vector<float> depth2 =
         squared_distance({ids, ids + size}, photo.width, photo.height, false, work.quiet());
-    work.parallel(lists.first.size() - 1, 16, [&](std::size_t b, std::size_t e) {
+    work.parallel(lists.count(), 16, [&](std::size_t b, std::size_t e) {
       for (std::size_t k = b; k < e; ++k)
-        flatten(out.pixels.data() + before, lists.pixels.data() + lists.first[k],
-                lists.pixels.data() + lists.first[k + 1], photo.width, depth2);
+        flatten(out.pixels.data() + before, lists.of(k), photo.width, depth2);
     });
   }
   return out;

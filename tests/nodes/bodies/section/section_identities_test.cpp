@@ -1,7 +1,7 @@
 // Stereological identities between bodies and their sections (Underwood 1970; docs/reference-values.md).
 #include <gtest/gtest.h>
 
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/section.h"
 #include "tests/nodes/bodies/section/packing.h"
 
 namespace terrazzo {

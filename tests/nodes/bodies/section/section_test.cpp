@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/section.h"
 
 #include <gtest/gtest.h>
 

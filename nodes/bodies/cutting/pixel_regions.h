@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/section.h"
 
 namespace terrazzo::section {
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "nodes/bodies/section/planes.h"
+#include "nodes/bodies/cutting/planes.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/particles.h"

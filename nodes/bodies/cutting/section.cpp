@@ -1,12 +1,12 @@
-#include "nodes/bodies/section/section.h"
+#include "nodes/bodies/cutting/section.h"
 
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/bodies/section/cut.h"
-#include "nodes/bodies/section/raster.h"
+#include "nodes/bodies/cutting/cut.h"
+#include "nodes/bodies/cutting/raster.h"
 #include "nodes/data/indices.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"

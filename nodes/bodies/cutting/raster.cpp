@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/raster.h"
+#include "nodes/bodies/cutting/raster.h"
 
 #include <algorithm>
 #include <cmath>

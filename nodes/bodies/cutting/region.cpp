@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/region.h"
+#include "nodes/bodies/cutting/region.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/planes.h"
+#include "nodes/bodies/cutting/planes.h"
 
 #include <fmt/format.h>
 

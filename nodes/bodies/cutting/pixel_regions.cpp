@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/pixel_regions.h"
+#include "nodes/bodies/cutting/pixel_regions.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "nodes/bodies/section/region.h"
+#include "nodes/bodies/cutting/region.h"
 
 namespace terrazzo::section {
 

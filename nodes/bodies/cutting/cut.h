@@ -1,8 +1,8 @@
 // Exact plane sections of particles.
 #pragma once
 
-#include "nodes/bodies/section/planes.h"
-#include "nodes/bodies/section/region.h"
+#include "nodes/bodies/cutting/planes.h"
+#include "nodes/bodies/cutting/region.h"
 #include "nodes/data/particles.h"
 #include "runtime/work.h"
 

@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/cut.h"
+#include "nodes/bodies/cutting/cut.h"
 
 #include <fmt/format.h>
 

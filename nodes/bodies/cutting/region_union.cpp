@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/bodies/section/region.h"
+#include "nodes/bodies/cutting/region.h"
 #include "runtime/random.h"
 
 namespace terrazzo::section {

@@ -1,0 +1,86 @@
+#include "nodes/bodies/view/shader.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace terrazzo::view {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSunTilt = 2 * kDegree;  // of the four places from the middle of a disc of 6 degrees
+constexpr int kSkyRays = 16;
+
+// Two unit vectors across a unit vector (Duff et al. 2017).
+struct Across {
+  Vec3f first, second;
+  explicit Across(const Vec3f& n) {
+    const float sign = std::copysign(1.0f, n.z());
+    const float a = -1 / (sign + n.z());
+    const float b = n.x() * n.y() * a;
+    first = Vec3f(1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x());
+    second = Vec3f(b, sign + n.y() * n.y() * a, -n.y());
+  }
+};
+
+// Van der Corput's sequence of 16 members.
+float reversed_bits(int i) {
+  const int bits = (i & 1) * 8 + (i & 2) * 2 + (i & 4) / 2 + (i & 8) / 8;
+  return static_cast<float>(bits) / kSkyRays;
+}
+
+float fraction(float v) { return v - std::floor(v); }
+
+// The upper and the lower half of a random number, from 0 to 1.
+float upper_half(std::uint64_t bits) { return static_cast<float>(bits >> 40) * 0x1p-24f; }
+float lower_half(std::uint64_t bits) { return static_cast<float>(bits & 0xffffff) * 0x1p-24f; }
+
+}  // namespace
+
+Shader::Shader(const Bed& bed, const Light& light, double reach, double lift)
+    : bed_(bed), reach_(static_cast<float>(reach)), lift_(static_cast<float>(lift)) {
+  const double azimuth = light.azimuth * kDegree;
+  const double elevation = light.elevation * kDegree;
+  const Vec3 middle(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                    std::sin(elevation));
+  const Across across(middle.cast<float>());
+  for (int k = 0; k < 4; ++k) {
+    const double turn = (k + 0.5) * std::numbers::pi / 2;
+    const Vec3f side =
+        (std::cos(turn) * across.first.cast<double>() + std::sin(turn) * across.second.cast<double>())
+            .cast<float>();
+    suns_[k] = (middle.cast<float>() + static_cast<float>(std::tan(kSunTilt)) * side).normalized();
+  }
+  level_ = static_cast<float>(std::sin(elevation));
+}
+
+float Shader::sun(const BedPoint& point) const {
+  float sum = 0;
+  for (const Vec3f& direction : suns_) {
+    const float cosine = point.normal.dot(direction);
+    if (cosine <= 0) continue;
+    // A smooth mesh is lit a little beyond the facets that face the sun.
+    if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction)) continue;
+    sum += cosine;
+  }
+  return sum / (suns_.size() * level_);
+}
+
+float Shader::sky(const BedPoint& point, std::uint64_t random) const {
+  const Across across(point.normal);
+  const float shift = upper_half(random);
+  const float turn = lower_half(random);
+  int open = 0;
+  for (int k = 0; k < kSkyRays; ++k) {
+    const float u = fraction((k + 0.5f) / kSkyRays + shift);
+    const float phi = 2 * std::numbers::pi_v<float> * fraction(reversed_bits(k) + turn);
+    const float r = std::sqrt(u);
+    const Vec3f direction = r * std::cos(phi) * across.first + r * std::sin(phi) * across.second +
+                            std::sqrt(1 - u) * point.normal;
+    if (direction.z() <= 0) continue;  // the ground
+    if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction, reach_)) continue;
+    ++open;
+  }
+  return static_cast<float>(open) / kSkyRays;
+}
+
+}  // namespace terrazzo::view

@@ -1,0 +1,35 @@
+// How much light the points of a bed receive.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "nodes/bodies/view/bed.h"
+#include "nodes/bodies/view/light.h"
+
+namespace terrazzo::view {
+
+// Light is relative to that of level ground in the open.
+class Shader {
+ public:
+  // `reach`: mm up to which stones hide the sky; `lift`: mm by which rays start above their surface. The bed
+  // must outlive the shader.
+  Shader(const Bed&, const Light&, double reach, double lift);
+
+  // Of the sun: Lambert's law and the shadows of stones, soft because the sun is four places on a disc of 6
+  // degrees.
+  float sun(const BedPoint&) const;
+  // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
+  // stratified directions, shifted by the random number.
+  float sky(const BedPoint&, std::uint64_t random) const;
+
+ private:
+  Vec3f start(const BedPoint& point) const { return point.at + lift_ * point.face; }
+
+  const Bed& bed_;
+  float reach_, lift_;
+  float level_ = 1;  // what each place on the sun gives level ground
+  std::array<Vec3f, 4> suns_;
+};
+
+}  // namespace terrazzo::view

@@ -1,0 +1,30 @@
+// What a photograph shows of its particles: a cut, or whole stones from outside.
+#pragma once
+
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "nodes/data/profiles.h"
+#include "nodes/photograph/segment/marks/ignored.h"
+#include "runtime/work.h"
+
+namespace terrazzo::segment {
+
+// A stone's middle faces the sky and its rim does not, so that it grows lighter from the rim to the middle
+// all the way. In a cut, only the few pixels of the rim that the camera blurs differ from the rest.
+struct ViewEvidence {
+  int judged = 0;             // particles large enough to tell
+  double shaded = 0;          // share of them that are shaded like stones
+  Vec2 light = Vec2::Zero();  // median slope of the logarithm of luminance, per radius, right and upwards
+};
+
+ViewEvidence view_evidence(const Image&, const Labels&, const Work&);
+
+// Surface if the evidence says so; otherwise Filling if particles cover at least `kNoBinder` of the
+// picture, or Section. With fewer than five judged particles: not Surface.
+inline constexpr double kNoBinder = 0.97;
+View judged_view(const ViewEvidence&, double area_fraction);
+
+// Marks the profiles as seen in this view, and completes the silhouettes of a surface.
+void set_view(Profiles&, View, const ViewEvidence&);
+
+}  // namespace terrazzo::segment
