@@ -76,6 +76,17 @@ void show_planes(Context& c, const section::SectionLayout& layout, View view,
   output_result(c, std::move(result));
 }
 
+// Mean of all channels over the photograph's stones; nothing without stones.
+std::optional<float> mean_brightness(const Profiles& photograph) {
+  double sum = 0, area = 0;
+  for (const Profile& p : photograph.profiles) {
+    sum += p.area * p.color.mean();
+    area += p.area;
+  }
+  if (!(sum > 0)) return {};
+  return static_cast<float>(sum / area);
+}
+
 SurfaceOptions surface_options(const Context& c, const section::SectionLayout& layout, const Vec3& box,
                                const Profiles* photograph) {
   SurfaceOptions options;
@@ -87,6 +98,7 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
   options.pixel_size = layout.pixel_size;
   if (photograph) options.area_fraction = std::clamp(photograph->area_fraction, 0.0, 1.0);
   options.loose = photograph && shows_loose_stones(*photograph);
+  if (photograph) options.brightness = mean_brightness(*photograph);
   std::optional<Vec2> slope;
   if (photograph && photograph->view == View::Surface) slope = photograph->light;
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));

@@ -21,6 +21,9 @@ float median_of(std::vector<float>& values) {
   return *middle;
 }
 
+// Light with shadows that are deeper by a power.
+float shadowed(float light, float power) { return light < 1 ? std::pow(light, power) : light; }
+
 }  // namespace
 
 Painter::Painter(const Bed& bed, const Shader& shader, const carving::ParticleColors& colors,
@@ -164,15 +167,29 @@ void Painter::expose(const Work& work) {
   for (std::size_t i = 0; i < light_.size(); ++i) light_[i] /= stone_[i] < 0 ? soil_light : stone_light;
   work.check();
   const float depth = options_.loose ? depth_of_shadows() : 1;
-  for (std::size_t i = 0; i < light_.size(); ++i)
-    color_[i] = (color_[i] * std::pow(light_[i], depth)).cwiseMax(0.0f).cwiseMin(1.0f);
+  for (std::size_t i = 0; i < light_.size(); ++i) color_[i] *= shadowed(light_[i], depth);
+  const float brightness = options_.brightness ? brightness_for(*options_.brightness) : 1;
+  for (Vec3f& c : color_) c = (brightness * c).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
-// The power of the light at which the places between loose stones are as dark, on average, as in the
-// photograph, whose binder they are. Light that is reflected often has a color and a strength that sixteen
-// rays don't know.
+// The factor that makes stones as bright on average as in the photograph. The colors of particles are medians
+// over stones of which each has light and shade.
+float Painter::brightness_for(float wanted) const {
+  double sum = 0;
+  std::size_t pixels = 0;
+  for (std::size_t i = 0; i < color_.size(); ++i) {
+    if (stone_[i] < 0 || height_[i] <= ground_) continue;
+    sum += color_[i].mean();
+    ++pixels;
+  }
+  return sum > 0 ? static_cast<float>(wanted * pixels / sum) : 1;
+}
+
+// The power of the light in shadows at which the places between loose stones are as dark, on average, as in
+// the photograph, whose binder they are. Light that is reflected often has a color and a strength that
+// sixteen rays don't know.
 float Painter::depth_of_shadows() const {
-  constexpr float kMost = 4;
+  constexpr float kMost = 2;
   constexpr int kHalvings = 12;
   const float wanted = colors_.at(Vec3f::Zero(), -1, false).mean();
   const auto darkness = [&](float power) {
@@ -180,7 +197,7 @@ float Painter::depth_of_shadows() const {
     std::size_t pixels = 0;
     for (std::size_t i = 0; i < light_.size(); ++i) {
       if (height_[i] > ground_) continue;
-      sum += color_[i].mean() * std::pow(light_[i], power);
+      sum += color_[i].mean() * shadowed(light_[i], power);
       ++pixels;
     }
     return pixels == 0 ? wanted : static_cast<float>(sum / pixels);

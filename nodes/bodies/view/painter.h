@@ -45,6 +45,7 @@ class Painter {
   float smooth_sky(int x, int row) const;
   void expose(const Work&);
   float depth_of_shadows() const;
+  float brightness_for(float wanted) const;
   Vec3f color_near(int x, int row, int stone) const;
   Vec3f antialiased(int x, int row) const;
 

@@ -7,9 +7,9 @@
 
 namespace terrazzo::unfolding {
 
-// Relative error with which the law below holds for one bed: its standard deviation over the beds that it was
-// measured on.
-inline constexpr double kHidingError = 0.08;
+// Relative error, as a standard deviation, with which the law below holds for the stones of one size that
+// Segment finds in a picture of one bed (results, Views).
+inline constexpr double kHidingError = 0.15;
 
 // A ball of size D and density N_V is seen about N_V·D times per area: one layer stands for a depth of D, as
 // in Kellerhals and Bray (1971), by whom counts per area times D² are shares of volume. Of flat stones, one

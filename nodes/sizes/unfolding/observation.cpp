@@ -83,12 +83,12 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
                 o.cut > 0 ? "set border: all, or use a photograph with particles that the border does not cut"
                           : "lower smallest_visible");
 
-  const bool surface = profiles.view == View::Surface;
-  const double measured = !surface                       ? profiles.area_fraction
-                          : shows_loose_stones(profiles) ? kLooseFraction
-                                                         : 0;
+  const bool surface = profiles.view == View::Surface, loose = shows_loose_stones(profiles);
+  const double measured = !surface ? profiles.area_fraction : loose ? kLooseFraction : 0;
   const double known_fraction = area_fraction > 0 ? area_fraction : measured;
   o.area = profiles.observed_area;
+  // Between loose stones lie stones in the shadow that could not be outlined, not a binder.
+  if (loose && profiles.area_fraction > 0) o.area *= profiles.area_fraction;
   o.relative = !(o.area > 0) && !(known_fraction > 0);
   if (!(o.area > 0)) o.area = all / (o.relative ? 1 : known_fraction);
   if (o.relative || (surface && !(known_fraction > 0))) return o;

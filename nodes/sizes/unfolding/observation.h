@@ -28,7 +28,7 @@ struct Observation {           // one color class
 };
 
 struct Observations {
-  double area = 0;        // mm² observed
+  double area = 0;        // mm² observed; of loose stones, only where stones were found
   bool relative = false;  // the area is unknown and set arbitrarily: only ratios of densities are meaningful
   int sections = 1;
   std::vector<Observation> classes;

@@ -62,7 +62,7 @@ void add_cache(CLI::App& app, const Program& program, int& exit_code) {
   const auto add = [&](const char* name, const char* help, std::function<void(const fs::path&)> act) {
     auto* sub = command->add_subcommand(name, help);
     add_cache_options(*sub, *o);
-    sub->callback([o, act, &exit_code] {
+    sub->callback([o, act] {
       if (o->no_cache) throw Error("usage", "this command needs a cache: remove --no-cache");
       const fs::path folder = o->cache.empty() ? default_cache() : fs::path(o->cache);
       require_cache_folder(folder);

@@ -50,6 +50,23 @@ TEST(Pack, ChoosesByDensity) {
   }
 }
 
+// Loose stones never grow into each other: they lie flat in a bed as wide as the photograph, as dense as
+// fits.
+TEST(Pack, StonesOfASurfaceLieLoosely) {
+  Profiles surface = ellipses(0.9);
+  surface.view = View::Surface;
+  surface.window = Vec2(9, 7);
+  const auto bed = pack_any(0.5, {}, &surface);
+  EXPECT_EQ(bed.metrics.at("by_anneal"), 1);
+  EXPECT_NEAR(bed.metrics.at("packing_fraction"), 0.5, 0.01);
+  EXPECT_NEAR(bed.metrics.at("box_x"), 9, 1e-9);
+  EXPECT_NEAR(bed.metrics.at("box_y"), 7, 1e-9);
+  const auto dense = pack_any(0.85, {}, &surface);
+  EXPECT_EQ(dense.metrics.at("by_anneal"), 1);
+  EXPECT_LT(dense.metrics.at("packing_fraction"), 0.8);
+  EXPECT_LT(packing::audit(dense.output<Shapes>("shapes"), dense.output<Particles>("particles")).worst, 1e-4);
+}
+
 TEST(Pack, DenseEquiaxedParticlesAreCellsWithJoints) {
   const Profiles round = ellipses(0.9), flat = ellipses(0.4);
   EXPECT_NEAR(pack::usual_axis_ratio(round), 0.9, 0.01);

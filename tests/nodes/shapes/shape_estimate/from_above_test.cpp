@@ -1,0 +1,132 @@
+// Stones of a surface: silhouettes and the axis that nobody sees.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/mesh/shortest_axis.h"
+#include "nodes/packing/rigid/lying.h"
+#include "nodes/shapes/shape_estimate/from_above.h"
+#include "tests/nodes/shapes/shape_estimate/synthetic_profiles.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+using namespace shape_estimate;
+using std::numbers::pi;
+
+Shapes ellipsoid(double a, double b, double c) {
+  Shapes s =
+      terrazzo::test::run_node("Shape", {}, {{"kind", "sphere"}, {"size", "2"}}).output<Shapes>("shapes");
+  for (Vec3& v : s.shapes[0].mesh.vertices) v = v.cwiseProduct(Vec3(a, b, c));
+  return s;
+}
+
+TEST(FromAbove, SilhouettesOfAnEllipsoid) {
+  const Mesh mesh = ellipsoid(2, 1.5, 1).shapes[0].mesh;
+  const auto views = seen_from_above(mesh, 200);
+  ASSERT_EQ(views.size(), 200u);
+  double mean = 0, least = 1e300;
+  for (const CutProfile& s : views) {
+    mean += s.root_area * s.root_area / 200;
+    least = std::min(least, s.root_area * s.root_area);
+    EXPECT_LE(s.root_area * s.root_area, 3 * pi * 1.001);
+    EXPECT_NEAR(s.root_area * s.root_area, loop_area(s.loop), 1e-9);
+  }
+  // The shadow along n has the area π·√(b²c²n_x² + a²c²n_y² + a²b²n_z²); tilts of 0.3 take a few percent.
+  EXPECT_GT(mean, 0.93 * 3 * pi);
+  EXPECT_LT(mean, 0.99 * 3 * pi);
+  EXPECT_LT(least, 0.9 * 3 * pi);
+}
+
+TEST(FromAbove, ThicknessIsRelativeToTheShorterAxis) {
+  Mesh mesh = ellipsoid(2, 1.5, 1.2).shapes[0].mesh;
+  const double before = mesh_volume(mesh);
+  give_thickness(mesh, 0.6);
+  double high = 0;
+  for (const Vec3& v : mesh.vertices) high = std::max(high, v.z());
+  EXPECT_NEAR(high, 0.6 * 1.5, 0.01);
+  EXPECT_NEAR(mesh_volume(mesh) / before, 0.6 * 1.5 / 1.2, 0.01);
+}
+
+TEST(FromAbove, AssumesTheRatioThatItSees) {
+  namespace made = shape_estimate::test;
+  const auto outlines =
+      made::outlines_of({made::ellipse(1, 0.7), made::ellipse(2, 1.4), made::ellipse(1, 0.5)}, 40);
+  EXPECT_NEAR(assumed_thickness(outlines), 0.7, 0.01);
+  EXPECT_EQ(assumed_thickness({}), 1);
+}
+
+TEST(FromAbove, TheShortestAxisTurnsUp) {
+  Mesh mesh = ellipsoid(1, 2, 3).shapes[0].mesh;
+  const auto up = shortest_axis_up(mesh);
+  ASSERT_TRUE(up);
+  EXPECT_NEAR(std::abs((*up * Vec3::UnitX()).z()), 1, 1e-3);
+  EXPECT_FALSE(shortest_axis_up(ellipsoid(1, 1, 1).shapes[0].mesh));
+  lie_down(mesh);
+  double high = 0;
+  for (const Vec3& v : mesh.vertices) high = std::max(high, v.z());
+  EXPECT_NEAR(high, 1, 0.01);
+}
+
+TEST(LayFlat, ShortAxesPointUpWithATilt) {
+  const Shapes shapes = ellipsoid(0.5, 1, 1.2);
+  packing::Packing p;
+  constexpr int kCount = 2000;
+  p.shape.assign(kCount, 0);
+  p.position.assign(kCount, Vec3::Zero());
+  p.orientation.assign(kCount, Quat::Identity());
+  packing::lay_flat(p, shapes, 500, 3);
+  for (int i = 0; i < 500; ++i) EXPECT_EQ(p.orientation[i].coeffs(), Quat::Identity().coeffs());
+  double square = 0, up = 0;
+  Vec2 azimuth = Vec2::Zero();
+  for (int i = 500; i < kCount; ++i) {
+    const Vec3 axis = p.orientation[i] * Vec3::UnitX(), longest = p.orientation[i] * Vec3::UnitZ();
+    square += std::pow(std::acos(std::min(1.0, std::abs(axis.z()))), 2) / (kCount - 500);
+    up += axis.z() > 0;
+    azimuth += longest.head<2>().normalized() / (kCount - 500);
+  }
+  EXPECT_NEAR(square, 2 * kTilt * kTilt, 0.1 * 2 * kTilt * kTilt);  // two independent tilts
+  EXPECT_NEAR(up / (kCount - 500), 0.5, 0.05);
+  EXPECT_LT(azimuth.norm(), 0.07);
+}
+
+// Stones of a surface: as many shapes as asked, lying, with the photograph's outlines from above.
+TEST(FromAbove, ShapesOfASurfaceLieFlat) {
+  namespace made = shape_estimate::test;
+  Profiles p;
+  p.view = View::Surface;
+  for (int k = 0; k < 30; ++k) {
+    Profile q;
+    for (int i = 0; i < 60; ++i) {
+      const double t = 2 * pi * i / 60;
+      q.contour.emplace_back(3 + 2 * std::cos(t), 3 + (1 + 0.02 * k) * std::sin(t));
+    }
+    q.area = q.whole = pi * 2 * (1 + 0.02 * k);
+    p.profiles.push_back(q);
+  }
+  for (int k = 0; k < 5; ++k) p.profiles[k].whole *= 1.5;  // hidden by others
+  const auto run =
+      terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}}, {{"method", "auto"}});
+  EXPECT_EQ(run.metrics.at("usable_profiles"), 25);
+  EXPECT_EQ(run.metrics.at("shapes"), 12);
+  EXPECT_NEAR(run.metrics.at("thickness"), 0.67, 0.05);
+  for (const Shape& s : run.output<Shapes>("shapes").shapes) {
+    Vec3 high = Vec3::Constant(-1e300), low = -high;
+    for (const Vec3& v : s.mesh.vertices) {
+      high = high.cwiseMax(v);
+      low = low.cwiseMin(v);
+    }
+    const Vec3 extent = high - low;
+    EXPECT_NEAR(extent.z() / extent.head<2>().minCoeff(), run.metrics.at("thickness"), 0.08) << s.name;
+  }
+  const auto thin = terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}},
+                                             {{"method", "auto"}, {"thickness", "0.3"}, {"count", "2"}});
+  EXPECT_EQ(thin.metrics.at("shapes"), 2);
+  EXPECT_EQ(thin.metrics.at("thickness"), 0.3);
+}
+
+}  // namespace
+}  // namespace terrazzo

@@ -1,0 +1,171 @@
+// Sizes from the silhouettes of a surface.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/common/stereology/silhouette.h"
+#include "nodes/sizes/unfolding/hiding.h"
+#include "nodes/sizes/unfolding/unfold.h"
+#include "runtime/random.h"
+#include "tests/nodes/sizes/unfold/spheres.h"
+
+namespace terrazzo {
+namespace {
+using namespace unfolding;
+using std::numbers::pi;
+
+Loop ellipse(double a, double b, int points = 120) {
+  Loop out;
+  for (int i = 0; i < points; ++i)
+    out.emplace_back(a * std::cos(2 * pi * i / points), b * std::sin(2 * pi * i / points));
+  return out;
+}
+
+// A disc of radius 1 without what a disc of radius `r` at distance `d` to its right covers.
+Loop bitten(double r, double d, int points = 720) {
+  Loop out;
+  for (int i = 0; i < points; ++i) {
+    const double t = 2 * pi * i / points;
+    Vec2 p(std::cos(t), std::sin(t));
+    const Vec2 q = p - Vec2(d, 0);
+    if (q.norm() < r) {
+      // On the ray from the left end, the near side of the other disc.
+      const Vec2 ray = (p - Vec2(-1, 0)).normalized(), to = Vec2(d + 1, 0);
+      const double along = to.dot(ray);
+      p = Vec2(-1, 0) + (along - std::sqrt(r * r - to.squaredNorm() + along * along)) * ray;
+    }
+    out.push_back(p);
+  }
+  return out;
+}
+
+TEST(Silhouette, CompletesBittenDiscs) {
+  EXPECT_NEAR(whole_silhouette(ellipse(1, 1)) / pi, 1, 0.005);
+  EXPECT_NEAR(whole_silhouette(ellipse(2, 0.8)) / (1.6 * pi), 1, 0.005);
+  EXPECT_NEAR(whole_silhouette(bitten(1, 1.2)) / pi, 1, 0.04);
+  EXPECT_NEAR(whole_silhouette(bitten(1, 0.9)) / pi, 1, 0.08);
+  EXPECT_NEAR(whole_silhouette(bitten(3, 3.2)) / pi, 1, 0.08);
+  // Never below the hull, here that of a square, and nothing for what is no outline.
+  EXPECT_GE(whole_silhouette({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), 1 - 1e-6);
+  EXPECT_EQ(whole_silhouette({{0, 0}, {1, 0}}), 0);
+}
+
+TEST(Hiding, CoarserIsTheVolumeAbove) {
+  const Hiding h({1, 2, 4}, Eigen::Vector2d(3, 1));
+  EXPECT_DOUBLE_EQ(h.coarser(0.5), 1);
+  EXPECT_DOUBLE_EQ(h.coarser(1), 1);
+  EXPECT_DOUBLE_EQ(h.coarser(1.5), 0.625);
+  EXPECT_DOUBLE_EQ(h.coarser(2), 0.25);
+  EXPECT_DOUBLE_EQ(h.coarser(3), 0.125);
+  EXPECT_DOUBLE_EQ(h.coarser(4), 0);
+  EXPECT_DOUBLE_EQ(Hiding().coarser(3), 0.5);
+}
+
+TEST(Hiding, MatrixCountsWhatIsSeen) {
+  const Hiding h({1, 2, 4}, Eigen::Vector2d(1, 1));
+  const std::vector<double> edges{0.5, 1, 2, 3, 4};
+  const Eigen::MatrixXd m = h.matrix(edges, edges);
+  // All classes together: everything that looks larger than 0.5.
+  for (int j = 0; j < m.cols(); ++j) {
+    double all = 0;
+    for (int k = 0; k < 1000; ++k)
+      all += h.seen_above(edges[j] + (edges[j + 1] - edges[j]) * (k + 0.5) / 1000, 0.5) / 1000;
+    EXPECT_NEAR(m.col(j).sum(), all, 0.01 * all);
+  }
+  // The largest stones are seen about once per layer, and hardly hidden; nothing looks larger than it is.
+  EXPECT_NEAR(h.seen_above(4, 3.6), 4 * 0.92, 1e-9);
+  EXPECT_DOUBLE_EQ(h.seen_above(2, 2.1), 0);
+  EXPECT_GT(h.seen_above(1, 0.2), h.seen_above(1, 0.5));
+}
+
+// Draws what a bed of balls of two sizes shows, by the law of hiding.
+Profiles bed(double side, std::uint64_t seed, double large, double small) {
+  const std::vector<double> sizes{3, 6}, density{small, large};
+  const double volume3 = small * 27, volume6 = large * 216;
+  const Hiding h({2.9, 3.1, 5.9, 6.1}, Eigen::Vector3d(volume3, 0, volume6));
+  Random random(seed);
+  Profiles p;
+  p.view = View::Surface;
+  p.observed_area = side * side;
+  p.area_fraction = 0.9;
+  p.binder_color.setConstant(0.3F);  // soil, so that no fraction is assumed
+  for (int k = 0; k < 2; ++k) {
+    const double all = h.seen_above(sizes[k], 0.2 * sizes[k]);
+    const double mean = density[k] * all * side * side;
+    const auto n = static_cast<int>(std::lround(mean + std::sqrt(mean) * random.normal()));
+    for (int i = 0; i < n; ++i) {
+      // Inverts the falling number of silhouettes above a size.
+      double low = 0.2 * sizes[k], high = 1.03 * sizes[k];
+      const double wanted = random.uniform() * all;
+      for (int step = 0; step < 40; ++step) {
+        const double middle = (low + high) / 2;
+        (h.seen_above(sizes[k], middle) > wanted ? low : high) = middle;
+      }
+      Profile q;
+      q.area = q.whole = pi / 4 * low * low;
+      q.color.setConstant(0.3F);
+      p.profiles.push_back(q);
+    }
+  }
+  return p;
+}
+
+TEST(UnfoldSurface, RecoversABedOfTwoSizes) {
+  const double large = 0.0024, small = 0.019;
+  double sum_large = 0, sum_small = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    const UnfoldResult r = unfolding::unfold(bed(100, seed, large, small), test::spheres<30>(), {}, {});
+    for (int j = 0; j < r.model.visible(); ++j) {
+      const double from = r.model.profile_edges[j];
+      (from < 4.2 ? sum_small : sum_large) += r.fits[0].density[j] / 4;
+    }
+  }
+  EXPECT_NEAR(sum_large / large, 1, 0.12);
+  EXPECT_NEAR(sum_small / small, 1, 0.12);
+}
+
+// Taken for cuts, the same outlines give other numbers; and the cover of a surface is no volume fraction.
+TEST(UnfoldSurface, SilhouettesAreNoCuts) {
+  Profiles p = bed(100, 9, 0.0024, 0.019);
+  const double surface = unfolding::unfold(p, test::spheres<30>(), {}, {}).distribution.volume_fraction;
+  EXPECT_NEAR(surface, 0.0024 * pi / 6 * 216 + 0.019 * pi / 6 * 27, 0.06);
+  p.view = View::Section;
+  for (Profile& q : p.profiles) q.whole = 0;
+  EXPECT_NEAR(unfolding::unfold(p, test::spheres<30>(), {}, {}).distribution.volume_fraction, 0.9, 0.02);
+}
+
+TEST(UnfoldSurface, LooseStonesFillAKnownShare) {
+  Profiles p = bed(100, 3, 0.0012, 0.0095);  // half as many as fit
+  EXPECT_FALSE(shows_loose_stones(p));
+  p.binder_color.setConstant(0.05F);  // shadows
+  EXPECT_TRUE(shows_loose_stones(p));
+  const double free = 0.0012 * pi / 6 * 216 + 0.0095 * pi / 6 * 27;
+  const double found = unfolding::unfold(p, test::spheres<30>(), {}, {}).distribution.volume_fraction;
+  EXPECT_GT(found, 1.15 * free);
+  EXPECT_LT(found, kLooseFraction * 1.05);
+}
+
+TEST(UnfoldSurface, FlatStonesAreMoreInALayer) {
+  // Shapes of half the height: twice as many stones per volume show the same silhouettes.
+  const Profiles p = bed(100, 5, 0.0024, 0.019);
+  KMatrix flat = test::spheres<30>();
+  flat.shapes[0].volume /= 2;
+  const auto density = [&](const KMatrix& k) {
+    const UnfoldResult r = unfolding::unfold(p, k, {}, {});
+    return r.fits[0].density.sum();
+  };
+  EXPECT_NEAR(density(flat) / density(test::spheres<30>()), 2, 0.02);
+}
+
+TEST(UnfoldSurface, IntervalsContainTheErrorOfTheLaw) {
+  const Profiles p = bed(300, 5, 0.0024, 0.019);  // so many that counting errors are small
+  const auto r = unfolding::unfold(p, test::spheres<30>(), {.bootstrap = 20}, {});
+  const auto& e = r.distribution.shapes[0];
+  const std::size_t k = std::max_element(e.N_V.begin(), e.N_V.end()) - e.N_V.begin();
+  EXPECT_LT(e.low[k], (1 - 1.5 * kHidingError) * e.N_V[k]);
+  EXPECT_GT(e.high[k], (1 + 1.5 * kHidingError) * e.N_V[k]);
+}
+
+}  // namespace
+}  // namespace terrazzo
