@@ -18,11 +18,11 @@ struct Choice {
 };
 
 // Stones of a surface lie loosely: Anneal, flat side down, as dense as they pack if less than requested. Of
-// sections: without a binder (a volume fraction of 0.97 or more): Laguerre. Where the particles can be packed: Anneal,
-// and the packing, which continues from `start` (may be null). From a fraction of 0.75 on, if the `profiles`
-// of the photograph (may be null) are equiaxed: Laguerre, since neighbors that leave each other so little
-// room take each other's shape, and the binder is in joints between them. Otherwise: Grow. Of the options,
-// only population and interrupted count. Throws the errors of pack_particles() except "jammed".
+// sections: without a binder (a volume fraction of 0.97 or more): Laguerre. Where the particles can be
+// packed: Anneal, and the packing, which continues from `start` (may be null). From a fraction of 0.75 on, if
+// the `profiles` of the photograph (may be null) are equiaxed: Laguerre, since neighbors that leave each
+// other so little room take each other's shape, and the binder is in joints between them. Otherwise: Grow. Of
+// the options, only population and interrupted count. Throws the errors of pack_particles() except "jammed".
 Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
                      const Particles* start, const packing::PackOptions& options, const Work& work);
 
