@@ -140,8 +140,8 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
   EXPECT_EQ(r["split_by_keys"], 1);
   EXPECT_EQ(r["added"], "ignore 0 0 2 2");
   EXPECT_EQ(r["failed"], nlohmann::json::array());
-  EXPECT_EQ(r["ran"], nlohmann::json({"block", "colorize", "compare", "observer", "pack", "section",
-                                      "sections", "sheet", "voxels"}));
+  EXPECT_EQ(r["ran"], nlohmann::json({"block", "colorize", "compare", "observer", "pack", "section", "sheet",
+                                      "view", "views", "voxels"}));
 
   // The difference to the graph of the photograph is what was done, and comments are where they were.
   const std::string after = r["after"];
@@ -157,9 +157,10 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
     else
       now.erase(same);
   }
-  EXPECT_EQ(changed, (std::vector<std::string>{"  binder", "  size", "    inputs", "    inputs", "    inputs",
-                                               "    inputs", "    inputs", "    params", "    inputs",
-                                               "    inputs", "  labels", "  profiles"}));
+  EXPECT_EQ(changed,
+            (std::vector<std::string>{"  binder", "  size", "    inputs", "    inputs", "    inputs",
+                                      "    inputs", "    inputs", "    params", "    inputs", "    inputs",
+                                      "    inputs", "    inputs", "    inputs", "  labels", "  profiles"}));
   for (const auto& line : now)
     EXPECT_EQ(line.find('#') == std::string::npos || line.find("binder") != std::string::npos, true) << line;
 
