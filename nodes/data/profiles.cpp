@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "graph/diagnostic.h"
 #include "nodes/data/json.h"
 
 namespace terrazzo {
@@ -63,7 +64,10 @@ Profiles decode_profiles(Reader& r) {
     f.area = r.pod<double>();
   }
   if (r.left() == 0) return v;
-  v.view = static_cast<View>(r.pod<std::int32_t>());
+  const auto view = r.pod<std::int32_t>();
+  if (view < static_cast<std::int32_t>(View::Section) || view > static_cast<std::int32_t>(View::Filling))
+    throw Error("damaged", "the stored value has an impossible view");
+  v.view = static_cast<View>(view);
   r.bytes(v.light.data(), sizeof(double) * 2);
   for (auto& p : v.profiles) p.whole = r.pod<double>();
   return v;

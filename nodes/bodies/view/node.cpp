@@ -96,7 +96,8 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
   options.pixels_x = layout.pixels_x;
   options.pixels_y = layout.pixels_y;
   options.pixel_size = layout.pixel_size;
-  if (photograph) options.area_fraction = std::clamp(photograph->area_fraction, 0.0, 1.0);
+  if (photograph && photograph->area_fraction > 0)  // 0: unknown
+    options.area_fraction = std::min(photograph->area_fraction, 1.0);
   options.loose = photograph && shows_loose_stones(*photograph);
   if (photograph) options.brightness = mean_brightness(*photograph);
   std::optional<Vec2> slope;

@@ -71,7 +71,7 @@ Profile profile_of_piece(const Extents& e, const Components& components, const S
   p.weight = p.touches_border ? 0 : pixels_in(w, h) / (places_x * places_y);
   p.contour = outline_of_pixels(components.ids, w, h, e.first_x, e.first_row);
   for (Vec2& v : p.contour) v = v.cwiseProduct(pixel);
-  p.whole = whole_silhouette(p.contour);
+  p.whole = std::max(p.area, whole_silhouette(p.contour));
   return p;
 }
 

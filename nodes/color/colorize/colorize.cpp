@@ -66,7 +66,8 @@ Source usable(const Profiles& profiles, ColorReport& report) {
     s.color.push_back(p.color);
     s.weight.push_back(w);
     s.cls.push_back(p.cls);
-    s.size.push_back(std::sqrt(4 * p.area / std::numbers::pi));
+    const double area = profiles.view == View::Surface ? std::max(p.area, p.whole) : p.area;
+    s.size.push_back(std::sqrt(4 * area / std::numbers::pi));
   }
   report.profiles_used = s.count();
   return s;

@@ -15,7 +15,7 @@ constexpr double kOnHull = 0.02;      // largest distance from the hull, relativ
 constexpr double kLongest = 3.5;      // axis ratio of an ellipse that may be a stone's silhouette
 constexpr double kMostHidden = 0.75;  // share of a silhouette that may be hidden
 
-// The points of the outline that no other stone covers: those on its convex hull.
+// The points of the outline that are assumed not to be covered by other stones: those on its convex hull.
 std::vector<cv::Point2f> own_points(const std::vector<cv::Point2f>& outline,
                                     const std::vector<cv::Point2f>& hull, double size) {
   std::vector<cv::Point2f> own;

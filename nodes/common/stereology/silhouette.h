@@ -5,10 +5,10 @@
 
 namespace terrazzo {
 
-// Area of the whole silhouette of a stone, in the units of its visible outline, counterclockwise. Where
-// others hide it, the outline is bitten: the ellipse through the points that lie on its convex hull completes
-// it. If no ellipse follows, the hull does. At least the area of the hull; an outline that is elliptic and
-// not bitten has its own area.
+// Area of the whole silhouette of a stone of which others hide a part, in the units of its visible outline,
+// counterclockwise. Stones that hide it bite into the outline. The ellipse through the points that lie on the
+// outline's convex hull completes it; if no ellipse follows from them, the hull does. At least the hull's
+// area.
 double whole_silhouette(const Loop& visible);
 
 }  // namespace terrazzo

@@ -46,7 +46,8 @@ Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, c
   Choice choice;
   choice.method = Method::Anneal;
   choice.packed = packing::pack_particles(distribution, shapes, start, options, work);
-  choice.reason = "the photograph shows a surface: stones lie loosely, flat side down";
+  choice.reason =
+      "the photograph shows a surface: stones lie flat side down and are not grown into each other";
   return choice;
 }
 

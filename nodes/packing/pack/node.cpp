@@ -104,7 +104,7 @@ NodeType pack_node() {
       .optional_input(
           "profiles", {"Profiles"},
           "Profiles of the photograph: the thickness of the binder between neighbors, and whether "
-          "it shows loose stones")
+          "it shows a surface")
       .optional_input("start", {"Particles"},
                       "anneal: initial packing, for example of an interrupted run, see Anneal")
       .output("particles", "Particles", "The particles in the box [0, size)")

@@ -147,10 +147,8 @@ void report_view(Context& c, const Segmentation& s) {
   if (view == View::Surface && c.text("view") == "auto")
     c.warn(
         fmt::format("the photograph shows a surface, not a cut: {:.0f} % of {} particles grow lighter from "
-                    "the rim to the "
-                    "middle, as whole stones do. Outlines count as silhouettes, and stones are packed "
-                    "loosely; if it is a "
-                    "cut, set view to section",
+                    "the rim to the middle, as whole stones do. Outlines count as whole stones seen from "
+                    "outside; if this is a cut, set view to section",
                     100 * s.evidence.shaded, s.evidence.judged));
 }
 

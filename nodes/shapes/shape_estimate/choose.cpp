@@ -160,7 +160,7 @@ Candidates candidates_of(const Profiles& profiles, const CandidateOptions& optio
       ++out.without_contour;
     } else if (p.touches_border) {
       ++out.cut_by_border;
-    } else if (p.area < kNearlyWhole * p.whole) {
+    } else if (profiles.view == View::Surface && p.area < kNearlyWhole * p.whole) {
       ++out.hidden;
     } else {
       double area = 0;

@@ -218,7 +218,9 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
           "the silhouettes of {} cut each other: they are reproduced only to {:.1f} % of their diameter",
           name, 100 * made.estimate.deviation));
     if (thickness) {
-      lie_down(made.estimate.mesh);
+      // The base of a cylinder already lies in the picture.
+      if (request.axis != "short" || method.name.find("cylinder") == std::string::npos)
+        lie_down(made.estimate.mesh);
       give_thickness(made.estimate.mesh, *thickness);
     }
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);

@@ -10,7 +10,7 @@ using Json = nlohmann::json;
 
 constexpr int kLargest = 1'000'000'000;  // of sections and classes
 
-Profile profile_of(const JsonObject& o) {
+Profile profile_of(const JsonObject& o, View view) {
   Profile p;
   p.section = o.whole("section", 0, kLargest);
   p.cls = o.whole("class", 0, kLargest);
@@ -20,7 +20,7 @@ Profile profile_of(const JsonObject& o) {
   p.weight = o.number("weight", 0);
   p.confidence = o.number("confidence", 0, 1);
   p.color = o.vector<Vec3f>("color");
-  if (o.has("whole")) p.whole = o.number("whole", p.area);
+  if (view == View::Surface) p.whole = o.number("whole", p.area);
   if (!o.has("contour")) return p;
   const Json& contour = o.field("contour");
   if (!contour.is_array() || contour.size() < 3) o.fail("the field contour needs at least three points");
@@ -54,10 +54,10 @@ Profiles read_profiles_json(const std::string& text, const std::string& file) {
   out.binder_color = all.vector<Vec3f>("binder_color");
   out.area_fraction = all.number("area_fraction", 0, 1);
   if (all.has("view")) out.view = view_of(all);
-  if (all.has("light")) out.light = all.vector<Vec2>("light");
+  if (out.view == View::Surface) out.light = all.vector<Vec2>("light");
   for (const Json& j : all.list("profiles")) {
     const JsonObject one(j, source, fmt::format("profile {}: ", out.profiles.size()), "bad-profile");
-    out.profiles.push_back(profile_of(one));
+    out.profiles.push_back(profile_of(one, out.view));
     const Profile& p = out.profiles.back();
     if (p.section >= out.sections || p.cls >= out.classes)
       one.fail(fmt::format("is in section {} and class {}, but there are {} sections and {} classes",

@@ -252,6 +252,10 @@ Scores score_families(const Profiles& profiles, const std::vector<Family>& famil
                   fmt::format("the family {} has {} shapes, but its K matrix has {}", f.name,
                               f.shapes->shapes.size(), f.kmatrix->shapes.size()),
                   "connect the K matrices of these shapes, in the same order");
+  if (profiles.view == View::Surface)
+    throw Error(
+        "not-sections", "the profiles are silhouettes of a surface, but families are compared by sections",
+        "connect profiles of a section, or set view of Segment to section if the photograph shows one");
   Profiles pooled = profiles;
   for (Profile& p : pooled.profiles) p.cls = 0;
   pooled.classes = 1;

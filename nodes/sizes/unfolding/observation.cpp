@@ -62,7 +62,8 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
     }
     counted_area[p.cls] += weight * p.area;
     counted += weight * p.area;
-    const double size = std::sqrt(4 * std::max(p.area, p.whole) / std::numbers::pi);
+    const double size = std::sqrt(4 * (profiles.view == View::Surface ? std::max(p.area, p.whole) : p.area) /
+                                  std::numbers::pi);
     if (size < smallest_visible) {
       ++o.hidden;
       continue;
@@ -89,8 +90,9 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
   o.area = profiles.observed_area;
   // Between loose stones lie stones in the shadow that could not be outlined, not a binder.
   if (loose && profiles.area_fraction > 0) o.area *= profiles.area_fraction;
-  o.relative = !(o.area > 0) && !(known_fraction > 0);
-  if (!(o.area > 0)) o.area = all / (o.relative ? 1 : known_fraction);
+  const double covered = !surface ? known_fraction : loose ? 1 : profiles.area_fraction;
+  o.relative = !(o.area > 0) && !(covered > 0);
+  if (!(o.area > 0)) o.area = all / (o.relative ? 1 : covered);
   if (o.relative || (surface && !(known_fraction > 0))) return o;
   // Cut profiles are part of the area fraction, however their number is corrected.
   for (int c = 0; c < classes; ++c)

@@ -34,9 +34,11 @@ struct ClassFit {
   Intervals intervals;
 };
 
-// One color class. `em_model` is null for the other methods.
+// One color class. `em_model` is null for the other methods. `fraction_is_measured`: in the profiles;
+// otherwise it is that of loose stones.
 ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, const UnfoldOptions& options,
-                   const EmModel* em_model, double fraction_error, const Work& work) {
+                   const EmModel* em_model, bool fraction_is_measured, const Work& work) {
+  const double fraction_error = fraction_is_measured ? kFractionError : kLooseError;
   const Observation& q = o.classes[c];
   ClassFit out;
   UnfoldFit& fit = out.fit;
@@ -67,7 +69,8 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
 
   out.intervals = bootstrap(
       q, o.sections, options.bootstrap, options.seed, c,
-      [&](const std::vector<double>& weights, double ratio, Random& random) -> VectorXd {
+      [&](const std::vector<double>& weights, double drawn, Random& random) -> VectorXd {
+        const double ratio = fraction_is_measured ? drawn : 1;
         if (em_model) return draw_em(*em_model, em, q, weights, o.area, ratio, fraction_error, random);
         const Counts again = count(q.size, weights, m.profile_edges);
         if (options.method == Method::Nnls)
@@ -201,8 +204,8 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     const UnfoldModel model =
         depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles, surface) : m;
     const EmModel em_model = em ? make_em_model(own, model, surface) : EmModel{};
-    ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr,
-                           surface ? kLooseError : kFractionError, work.part(at(c), at(c + 1)));
+    ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, surface == nullptr,
+                           work.part(at(c), at(c + 1)));
     if (surface) add_hiding_error(f);
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
       const double expected = f.fit.refitted[i] * o.area, seen = f.fit.observed[i] * o.area;
@@ -233,9 +236,12 @@ UnfoldResult unfold_surface(const Observations& o, int classes, double visible, 
   UnfoldOptions quick = options;
   quick.bootstrap = 0;
   Hiding hiding;
-  for (int round = 1; round < kRounds; ++round)
-    hiding = hiding_of(
-        unfold_classes(o, classes, visible, k, quick, &hiding, work.part(0.1 * (round - 1), 0.1 * round)));
+  for (int round = 1; round < kRounds; ++round) {
+    UnfoldResult r =
+        unfold_classes(o, classes, visible, k, quick, &hiding, work.part(0.1 * (round - 1), 0.1 * round));
+    if (!is_finite(r)) return r;
+    hiding = hiding_of(r);
+  }
   return unfold_classes(o, classes, visible, k, options, &hiding, work.part(0.3, 1));
 }
 
