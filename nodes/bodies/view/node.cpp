@@ -14,19 +14,9 @@
 namespace terrazzo::view {
 namespace {
 
-enum class ViewChoice { Auto, Section, Surface, Filling };
-
 View resolved_view(const Context& c, const Profiles* photograph) {
-  switch (c.choice<ViewChoice>("view")) {
-    case ViewChoice::Section:
-      return View::Section;
-    case ViewChoice::Surface:
-      return View::Surface;
-    case ViewChoice::Filling:
-      return View::Filling;
-    case ViewChoice::Auto:
-      break;
-  }
+  for (const View view : {View::Section, View::Surface, View::Filling})
+    if (c.text("view") == name_of(view)) return view;
   return photograph ? photograph->view : View::Section;
 }
 
