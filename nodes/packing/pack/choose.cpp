@@ -34,7 +34,12 @@ std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& d
   const double stones = density * wide.prod() * least;
   if (stones > kMostStones * count) wide *= std::sqrt(kMostStones * count / stones);
   if (wide.minCoeff() < least) return {};  // populate() leaves out the smallest stones then
-  return {wide.x(), wide.y(), std::max(least, std::min(count / (density * wide.prod()), wide.minCoeff()))};
+  const double deep = std::max(least, std::min(count / (density * wide.prod()), wide.minCoeff()));
+  // Sixteenths of the longest edge, so that whole voxels fill the box at usual resolutions.
+  const double unit = wide.maxCoeff() / 16;
+  std::vector<double> edges;
+  for (const double edge : {wide.x(), wide.y(), deep}) edges.push_back(unit * std::ceil(edge / unit - 1e-9));
+  return edges;
 }
 
 // Stones that lie on each other are not grown into each other: if they jam, they are smaller than requested.
