@@ -169,7 +169,8 @@ void Painter::expose(const Work& work) {
   const float depth = options_.loose ? depth_of_shadows() : 1;
   for (std::size_t i = 0; i < light_.size(); ++i) color_[i] *= shadowed(light_[i], depth);
   const float brightness = options_.brightness ? brightness_for(*options_.brightness) : 1;
-  for (Vec3f& c : color_) c = (brightness * c).cwiseMax(0.0f).cwiseMin(1.0f);
+  for (std::size_t i = 0; i < color_.size(); ++i)  // soil has the color that was measured
+    color_[i] = ((stone_[i] < 0 ? 1 : brightness) * color_[i]).cwiseMax(0.0f).cwiseMin(1.0f);
 }
 
 // The factor that makes stones as bright on average as in the photograph. The colors of particles are medians

@@ -44,8 +44,8 @@ struct SurfaceView {
 };
 
 // Light is scaled so that the median stone pixel and the mean soil pixel of each picture have the colors that
-// the particles and the binder give them, which a photograph's light has already changed; then everything so
-// that stones have the given brightness. `detail` may be
+// the particles and the binder give them, which a photograph's light has already changed; then that on
+// stones so that they have the given brightness. `detail` may be
 // null. Throws Error "too-many-pixels" beyond 64 megapixels in all, "no-particles", "too-many-particles" and
 // the errors of render_mesh.
 SurfaceView show_surface(const Particles&, const Shapes&, const SurfaceOptions&,
