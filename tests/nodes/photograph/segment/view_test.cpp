@@ -1,4 +1,4 @@
-// What a photograph shows is told from the shading of its particles.
+// Segment decides from the shading of particles whether a photograph shows a cut or a surface.
 #include <gtest/gtest.h>
 
 #include <cmath>
