@@ -4,6 +4,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/data/json.h"
+#include "nodes/data/luminance.h"
 
 namespace terrazzo {
 namespace {
@@ -34,6 +35,7 @@ void encode(const Profiles& v, Writer& w) {
   if (v.view == View::Section) return;  // as before there were others
   w.pod(static_cast<std::int32_t>(v.view));
   w.bytes(v.light.data(), sizeof(double) * 2);
+  w.pod(v.shading);
   for (const auto& p : v.profiles) w.pod(p.whole);
 }
 
@@ -69,6 +71,7 @@ Profiles decode_profiles(Reader& r) {
     throw Error("damaged", "the stored value has an impossible view");
   v.view = static_cast<View>(view);
   r.bytes(v.light.data(), sizeof(double) * 2);
+  v.shading = r.pod<double>();
   for (auto& p : v.profiles) p.whole = r.pod<double>();
   return v;
 }
@@ -99,7 +102,10 @@ nlohmann::json describe(const Profiles& v) {
                         {"area_fraction", v.area_fraction},
                         {"profiles", std::move(list)}};
   if (v.view != View::Section) out["view"] = name_of(v.view);
-  if (v.view == View::Surface) out["light"] = json_of(v.light);
+  if (v.view == View::Surface) {
+    out["light"] = json_of(v.light);
+    out["shading"] = v.shading;
+  }
   return out;
 }
 
@@ -107,12 +113,11 @@ nlohmann::json describe(const Profiles& v) {
 
 bool shows_loose_stones(const Profiles& profiles) {
   if (profiles.view != View::Surface || profiles.profiles.empty()) return false;
-  const auto luminance = [](const Vec3f& c) { return c.dot(Vec3f(0.2126F, 0.7152F, 0.0722F)); };
   std::vector<float> stones;
-  for (const Profile& p : profiles.profiles) stones.push_back(luminance(p.color));
+  for (const Profile& p : profiles.profiles) stones.push_back(luminance_of(p.color));
   const auto middle = stones.begin() + static_cast<std::ptrdiff_t>(stones.size() / 2);
   std::nth_element(stones.begin(), middle, stones.end());
-  return luminance(profiles.binder_color) < kShadow * *middle;
+  return luminance_of(profiles.binder_color) < kShadow * *middle;
 }
 
 const char* name_of(View view) {

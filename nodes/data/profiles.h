@@ -14,6 +14,7 @@ enum class View {
   Surface,  // whole particles seen from outside, which hide each other
   Filling   // a plane cut through particles that meet without a binder
 };
+inline constexpr View kViews[] = {View::Section, View::Surface, View::Filling};
 
 struct Profile {
   int section = 0;
@@ -53,6 +54,9 @@ struct Profiles {
   // In View::Surface, how fast the logarithm of the luminance grows across a particle, per radius, to the
   // right and upwards: it points toward the light. Otherwise 0.
   Vec2 light = Vec2::Zero();
+  // In View::Surface, the median difference between the logarithm of a pixel's luminance and the median of its
+  // particle; 0: unknown.
+  double shading = 0;
 };
 
 // Whether the profiles show stones that lie on each other, without soil between them: of a surface whose gaps

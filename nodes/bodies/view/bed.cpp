@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
+#include "nodes/bodies/view/settle.h"
 #include "nodes/data/indices.h"
 #include "runtime/random.h"
 
@@ -14,6 +15,8 @@ namespace {
 
 constexpr std::uint64_t kPlaceStream = 0x76696577;
 constexpr double kMostStones = 4e6;
+// How far below the cut loose stones settle, in diameters of the largest one: deeper ones are hidden.
+constexpr float kLooseDepth = 1.5f;
 
 void require_few(const Particles& particles, const Vec2& picture, double margin) {
   const double across = (picture.x() + 2 * margin) / particles.box.x() + 1;
@@ -64,7 +67,7 @@ double StoneMeshes::largest(const Particles& particles) const {
 }
 
 Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& place, const Vec2& picture,
-         double margin)
+         double margin, const BedRest& rest, const Work& work)
     : meshes_(meshes),
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
@@ -73,6 +76,7 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) add_copies(particles, i, picture, margin, instances);
+  let_settle(instances, picture, rest, work);
   scene_ = std::make_unique<carving::RayScene>(meshes.triangles, instances);
 }
 
@@ -97,6 +101,24 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
       stones_.push_back({particle, instance.mesh, turn.cast<float>(),
                          (particles.position[particle] - center).cast<float>()});
     }
+}
+
+void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const Vec2& picture,
+                     const BedRest& rest, const Work& work) {
+  SettleOptions options;
+  options.picture = picture;
+  options.largest = top_;
+  options.cell = rest.cell;
+  options.deepest = static_cast<float>(-depth_);
+  options.level = -kLooseDepth * top_;
+  if (rest.covered) {
+    options.soil = level_of_share(meshes_.triangles, instances, options, *rest.covered, work.part(0, 0.3));
+    options.level = *options.soil;
+  }
+  const std::vector<carving::RayScene::Instance> before = instances;
+  settle(meshes_.triangles, instances, options, work.part(0.3, 1));
+  for (std::size_t i = 0; i < stones_.size(); ++i)
+    stones_[i].to_packing += before[i].offset - instances[i].offset;
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

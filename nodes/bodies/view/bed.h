@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "nodes/bodies/carving/ray_mesh.h"
@@ -10,6 +11,7 @@
 #include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "runtime/work.h"
 
 namespace terrazzo::view {
 
@@ -17,6 +19,14 @@ namespace terrazzo::view {
 struct BedPlace {
   double height = 0;           // mm; stones whose centers are above it are taken away
   Vec2 corner = Vec2::Zero();  // mm, the picture's lower left corner; x to the right, y upwards
+};
+
+// What the stones near the cut settle on, and how exactly.
+struct BedRest {
+  double cell = 0;  // mm, of the map of heights; coarser in large pictures
+  // The share of the picture that stones cover before they settle; soil is below them. Nothing: no soil
+  // within one period, so stones lie on each other.
+  std::optional<double> covered;
 };
 
 // Heights evenly spaced over one period of the box, from a random start, and random corners.
@@ -44,12 +54,14 @@ struct BedPoint {
 
 // Positions are in mm from the picture's lower left corner; z is the height above the cut. Every particle
 // that is no void lies in the bed with the one copy along z whose center is at most one period below the cut,
-// and with all copies along x and y whose centers are in the picture or in a margin around it.
+// and with all copies along x and y whose centers are in the picture or in a margin around it. Then the
+// stones near the cut settle, each copy by itself.
 class Bed {
  public:
   // `picture`: width and height, mm; `margin`: mm. The meshes must outlive the bed. Throws Error
-  // "too-many-particles".
-  Bed(const Particles&, const StoneMeshes&, const BedPlace&, const Vec2& picture, double margin);
+  // "too-many-particles" and "bad-number".
+  Bed(const Particles&, const StoneMeshes&, const BedPlace&, const Vec2& picture, double margin,
+      const BedRest&, const Work& = {});
 
   // The first stone below a point of the picture.
   bool below(float x, float y, BedPoint&) const;
@@ -72,11 +84,13 @@ class Bed {
   };
   void add_copies(const Particles&, int particle, const Vec2& picture, double margin,
                   std::vector<carving::RayScene::Instance>&);
+  void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
+                  const Work&);
 
   const StoneMeshes& meshes_;
   Vec3 origin_;  // of positions, in the packing
   double depth_;
-  float top_ = 0;  // above all stones
+  float top_ = 0;  // above all stones: the largest one's diameter
   std::vector<Stone> stones_;
   std::unique_ptr<carving::RayScene> scene_;
 };

@@ -15,7 +15,7 @@ namespace terrazzo::view {
 namespace {
 
 View resolved_view(const Context& c, const Profiles* photograph) {
-  for (const View view : {View::Section, View::Surface, View::Filling})
+  for (const View view : kViews)
     if (c.text("view") == name_of(view)) return view;
   return photograph ? photograph->view : View::Section;
 }
@@ -91,7 +91,10 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
   options.loose = photograph && shows_loose_stones(*photograph);
   if (photograph) options.brightness = mean_brightness(*photograph);
   std::optional<Vec2> slope;
-  if (photograph && photograph->view == View::Surface) slope = photograph->light;
+  if (photograph && photograph->view == View::Surface) {
+    slope = photograph->light;
+    if (photograph->shading > 0) options.shading = photograph->shading;
+  }
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));
   options.shaded = c.boolean("shaded");
   options.seed = c.seed();
@@ -114,6 +117,16 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   output_result(c, std::move(result));
 }
 
+// A photograph of stones from outside shows their form as broad light and shade, which this view makes
+// itself. Only their hue is their own.
+Detail without_light(Detail detail) {
+  for (std::size_t k = 1; k < detail.phases.size(); ++k) {
+    detail.phases[k].slope = 0;
+    for (Vec3f& offset : detail.phases[k].broad) offset -= Vec3f::Constant(offset.mean());
+  }
+  return detail;
+}
+
 void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
   section::check_particles(particles, c.input<Shapes>("shapes"));
@@ -125,7 +138,8 @@ void compute(Context& c) {
   const section::SectionLayout layout = layout_of(c, particles.box);
   std::optional<residual::ResidualField> field;
   if (const Detail* detail = c.optional<Detail>("detail"))
-    field.emplace(*detail, particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
+    field.emplace(view == View::Surface ? without_light(*detail) : *detail, particles, layout.pixel_size,
+                  residual::Keep::Power, c.work().part(0, 0.1));
   const residual::ResidualField* shown = field ? &*field : nullptr;
   if (view == View::Surface)
     show_stones(c, layout, photograph, shown);

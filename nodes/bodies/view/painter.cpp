@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "nodes/bodies/view/exposure.h"
 #include "nodes/data/indices.h"
 #include "runtime/random.h"
 
@@ -13,16 +14,6 @@ namespace {
 constexpr std::uint64_t kSkyStream = 0x736b7921;
 constexpr std::size_t kRows = 4;  // of a range for one thread
 constexpr int kSkyReach = 2;      // pixels over which the sky is smoothed
-constexpr float kDarkest = 1e-6f;
-
-float median_of(std::vector<float>& values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-// Light with shadows that are deeper by a power.
-float shadowed(float light, float power) { return light < 1 ? std::pow(light, power) : light; }
 
 }  // namespace
 
@@ -34,7 +25,7 @@ Painter::Painter(const Bed& bed, const Shader& shader, const carving::ParticleCo
   stone_.assign(pixels, -1);
   height_.assign(pixels, 0.0f);
   color_.assign(pixels, Vec3f::Zero());
-  light_.assign(pixels, 0.0f);
+  sun_.assign(pixels, 0.0f);
   sky_.assign(pixels, 0.0f);
 }
 
@@ -71,15 +62,13 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   each_row(work.part(0.05, 0.8), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) light_pixel(x, row);
   });
-  const float share = static_cast<float>(options_.light.share);
+  std::vector<float> open(sky_.size());
   each_row(work.part(0.8, 0.85), [&](int row) {
-    for (int x = 0; x < options_.pixels_x; ++x) {
-      const float open = smooth_sky(x, row);
-      float& light = light_[at(x, row)];
-      light = share * light + (1 - share) * open + bounce_ * (1 - open);
-    }
+    for (int x = 0; x < options_.pixels_x; ++x) open[at(x, row)] = smooth_sky(x, row);
   });
-  expose(work);
+  color_ =
+      exposed({stone_, height_, color_, sun_, open, ground_, bounce_, colors_.at(Vec3f::Zero(), -1, false)},
+              options_, work);
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
@@ -127,7 +116,7 @@ BedPoint Painter::color_pixel(int x, int row) {
 void Painter::light_pixel(int x, int row) {
   const std::size_t i = at(x, row);
   const BedPoint point = color_pixel(x, row);
-  light_[i] = shader_.sun(point);
+  sun_[i] = shader_.sun(point);
   sky_[i] = shader_.sky(point, Random(options_.seed, kSkyStream, first_ + i).bits());
 }
 
@@ -145,71 +134,6 @@ float Painter::smooth_sky(int x, int row) const {
       ++count;
     }
   return sum / count;
-}
-
-// Multiplies colors by the light, in units of the usual light on stones and on soil.
-void Painter::expose(const Work& work) {
-  std::vector<float> on_stones;
-  double on_soil = 0;
-  std::size_t soil_pixels = 0;
-  for (std::size_t i = 0; i < light_.size(); ++i) {
-    if (stone_[i] < 0) {
-      on_soil += light_[i];
-      ++soil_pixels;
-    } else if (height_[i] > ground_) {
-      on_stones.push_back(light_[i]);
-    }
-  }
-  work.check();
-  const float stone_light = on_stones.empty() ? 1 : std::max(kDarkest, median_of(on_stones));
-  const float soil_light =
-      soil_pixels == 0 ? 1 : std::max(kDarkest, static_cast<float>(on_soil / soil_pixels));
-  for (std::size_t i = 0; i < light_.size(); ++i) light_[i] /= stone_[i] < 0 ? soil_light : stone_light;
-  work.check();
-  const float depth = options_.loose ? depth_of_shadows() : 1;
-  for (std::size_t i = 0; i < light_.size(); ++i) color_[i] *= shadowed(light_[i], depth);
-  const float brightness = options_.brightness ? brightness_for(*options_.brightness) : 1;
-  for (std::size_t i = 0; i < color_.size(); ++i)  // soil has the color that was measured
-    color_[i] = ((stone_[i] < 0 ? 1 : brightness) * color_[i]).cwiseMax(0.0f).cwiseMin(1.0f);
-}
-
-// The factor that makes stones as bright on average as in the photograph. The colors of particles are medians
-// over stones of which each has light and shade.
-float Painter::brightness_for(float wanted) const {
-  double sum = 0;
-  std::size_t pixels = 0;
-  for (std::size_t i = 0; i < color_.size(); ++i) {
-    if (stone_[i] < 0 || height_[i] <= ground_) continue;
-    sum += color_[i].mean();
-    ++pixels;
-  }
-  return sum > 0 ? static_cast<float>(wanted * pixels / sum) : 1;
-}
-
-// The power of the light in shadows at which the places between loose stones are as dark, on average, as in
-// the photograph, whose binder they are. Light that is reflected often has a color and a strength that
-// sixteen rays don't know.
-float Painter::depth_of_shadows() const {
-  constexpr float kMost = 2;
-  constexpr int kHalvings = 12;
-  const float wanted = colors_.at(Vec3f::Zero(), -1, false).mean();
-  const auto darkness = [&](float power) {
-    double sum = 0;
-    std::size_t pixels = 0;
-    for (std::size_t i = 0; i < light_.size(); ++i) {
-      if (height_[i] > ground_) continue;
-      sum += color_[i].mean() * shadowed(light_[i], power);
-      ++pixels;
-    }
-    return pixels == 0 ? wanted : static_cast<float>(sum / pixels);
-  };
-  if (darkness(1) <= wanted) return 1;
-  float low = 1, high = kMost;
-  for (int k = 0; k < kHalvings; ++k) {
-    const float middle = (low + high) / 2;
-    (darkness(middle) > wanted ? low : high) = middle;
-  }
-  return high;
 }
 
 // The color of the stone, or of the soil, in this pixel or the nearest one around it whose center shows it;

@@ -43,9 +43,6 @@ class Painter {
   BedPoint color_pixel(int x, int row);
   void light_pixel(int x, int row);
   float smooth_sky(int x, int row) const;
-  void expose(const Work&);
-  float depth_of_shadows() const;
-  float brightness_for(float wanted) const;
   Vec3f color_near(int x, int row, int stone) const;
   Vec3f antialiased(int x, int row) const;
 
@@ -60,7 +57,7 @@ class Painter {
   std::vector<std::int32_t> stone_;  // at the center of each pixel
   std::vector<float> height_;        // there, mm
   std::vector<Vec3f> color_;         // there, first without and then with light
-  std::vector<float> light_, sky_;   // there; light_ is that of the sun until the sky is smooth
+  std::vector<float> sun_, sky_;     // light there
 };
 
 }  // namespace terrazzo::view

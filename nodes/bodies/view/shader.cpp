@@ -7,7 +7,8 @@ namespace terrazzo::view {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSunTilt = 2 * kDegree;  // of the four places from the middle of a disc of 6 degrees
+constexpr int kRing = 4;                                   // places on each of two rings of the sun's disc
+constexpr double kRings[] = {1.5 * kDegree, 4 * kDegree};  // from its middle
 constexpr int kSkyRays = 16;
 
 // Two unit vectors across a unit vector (Duff et al. 2017).
@@ -43,12 +44,11 @@ Shader::Shader(const Bed& bed, const Light& light, double reach, double lift)
   const Vec3 middle(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                     std::sin(elevation));
   const Across across(middle.cast<float>());
-  for (int k = 0; k < 4; ++k) {
-    const double turn = (k + 0.5) * std::numbers::pi / 2;
-    const Vec3f side =
-        (std::cos(turn) * across.first.cast<double>() + std::sin(turn) * across.second.cast<double>())
-            .cast<float>();
-    suns_[k] = (middle.cast<float>() + static_cast<float>(std::tan(kSunTilt)) * side).normalized();
+  for (std::size_t k = 0; k < suns_.size(); ++k) {
+    const double turn = (k + 0.5 * (k / kRing)) * 2 * std::numbers::pi / kRing;
+    const Vec3 side =
+        std::cos(turn) * across.first.cast<double>() + std::sin(turn) * across.second.cast<double>();
+    suns_[k] = (middle + std::tan(kRings[k / kRing]) * side).normalized().cast<float>();
   }
   level_ = static_cast<float>(std::sin(elevation));
 }

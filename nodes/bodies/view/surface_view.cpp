@@ -82,14 +82,18 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
   const float bounce = kBounce * mean_color(particles);
   SurfaceView out = empty_view(particles, options);
   const int pictures = count_of(options.places);
+  BedRest rest;
+  rest.cell = options.pixel_size;
+  if (!options.loose) rest.covered = options.area_fraction;
   for (int k = 0; k < pictures; ++k) {
     work.check();
     const Work part = work.part(double(k) / pictures, double(k + 1) / pictures);
     // Stones within reach around the picture hide as much of the sky at its border as within.
-    const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach);
+    const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach, rest,
+                  part.part(0, 0.2));
     const Shader shader(bed, options.light, reach, kLift * options.pixel_size);
     Painter painter(bed, shader, colors, options, bounce, k);
-    painter.paint(&out.image.at(0, 0, k), part.part(0.05, 1));
+    painter.paint(&out.image.at(0, 0, k), part.part(0.2, 1));
     count_stones(out, painter.stones(), bed);
     add_pieces(out, k, painter.stones(), bed, particles, options);
   }

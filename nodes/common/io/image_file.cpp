@@ -237,7 +237,7 @@ void composite(Encoded& e, const std::filesystem::path& path, const Reading& rea
 }  // namespace
 
 Image read_image(const std::filesystem::path& path, const std::string& colorspace, double pixel_size,
-                 const Reading& reading, std::optional<PixelScale>* scale, const PageOptions& choice) {
+                 const Reading& reading, StatedSizes* sizes, const PageOptions& choice) {
   PictureContent content = checked_picture(path, reading);
   const ChosenPage chosen = choose_page(content.pages, choice, path);
   const PictureMetadata metadata = metadata_of(content, chosen.page);
@@ -257,7 +257,7 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   PictureInput in(std::move(content), size, reading, {{"oiio:UnassociatedAlpha", 1}});
   if (!in.seek(chosen.page.number)) throw in.unreadable("it has no such page");
   if (in.header().deep) throw in.unreadable("deep images have no single color per pixel");
-  if (scale) *scale = pixel_scale_of(in.attributes());
+  if (sizes) *sizes = {pixel_scale_of(in.attributes()), field_of_view_of(in.attributes())};
   const bool as_described =
       described && described->kind == ColorKind::Plain && described->count == in.header().count();
   const Channels channels = chosen.channel ? one_channel(*chosen.channel, in.header().count(), path)

@@ -5,6 +5,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/io/image_file.h"
 #include "nodes/common/io/pictures/color_config.h"
+#include "nodes/photograph/load_image/rectify.h"
 #include "runtime/context.h"
 
 namespace terrazzo::load_image {
@@ -20,6 +21,23 @@ void offer(const PixelScale& scale, Context& c) {
       scale.source, scale.size, 100 * scale.uncertainty, c.number("pixel_size"), scale.size));
 }
 
+// How the camera looked at the surface. `stated`: the field of view according to the first file.
+TiltOptions tilt_of(Context& c, std::optional<double> stated) {
+  constexpr double kPhone = 60;  // degrees across the longer side, of the main cameras of phones
+  TiltOptions out{c.number("tilt"), c.number("tilt_direction"), kPhone};
+  if (const auto given = c.optional_number("field_of_view"))
+    out.field_of_view = *given;
+  else if (stated)
+    out.field_of_view = *stated;
+  else if (out.tilt > 0)
+    c.warn(fmt::format(
+        "the file does not state the camera's field of view; {:g}° across the longer side are assumed, as of "
+        "a phone's main camera. If it was another, set field_of_view",
+        kPhone));
+  if (out.tilt > 0) c.metric("field_of_view", out.field_of_view);
+  return out;
+}
+
 void compute(Context& c) {
   if (c.text("color_config") != color_config_id())
     throw Error("color-config",
@@ -32,11 +50,14 @@ void compute(Context& c) {
   const std::string colorspace = c.text("colorspace");
   const PageOptions choice = page_choice(c);
   Image stack;
+  TiltOptions tilt;
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
-    std::optional<PixelScale> scale;
-    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &scale, choice);
-    if (i == 0 && scale) offer(*scale, c);
+    StatedSizes sizes;
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &sizes, choice);
+    if (i == 0 && sizes.pixel) offer(*sizes.pixel, c);
+    if (i == 0) tilt = tilt_of(c, sizes.field_of_view);
+    if (tilt.tilt > 0) section = rectified(section, tilt, c.memory(), c.work().quiet());
     if (i == 0) {
       stack = std::move(section);
       require_memory(static_cast<double>(sizeof(Vec3f)) * (stack.pixels.size() * files.size()), c.memory(),
@@ -94,6 +115,21 @@ NodeType load_image_node() {
       .parameter(Parameter::optional_integer("channel", "auto")
                      .range(1, 10000)
                      .doc_("Channel to read as gray, from 1. auto: the colors, or the only one."))
+      .parameter(Parameter::number("tilt", 0).unit_("degrees").range(0, 60).doc_(
+          "Angle between the camera's axis and the normal of the surface. Above 0, the "
+          "photograph is projected onto the surface and cut to the largest rectangle "
+          "without missing pixels; pixel_size then holds at the middle of the photograph, "
+          "across tilt_direction."))
+      .parameter(Parameter::number("tilt_direction", 90)
+                     .unit_("degrees")
+                     .range(-360, 360)
+                     .doc_("Where in the picture the surface recedes, if tilt is above 0. 0: to the right. "
+                           "90: up."))
+      .parameter(Parameter::optional_number("field_of_view", "auto")
+                     .unit_("degrees")
+                     .range(1, 170)
+                     .doc_("Angle that the camera saw across the picture's longer side, if tilt is above 0. "
+                           "auto: from EXIF's 35 mm equivalent focal length, else 60."))
       .parameter(Parameter::text("color_config", color_config_id())
                      .doc_("Identity of the OpenColorIO configuration in use, so that a changed $OCIO counts "
                            "as a changed input. Set it only to require a particular configuration."))

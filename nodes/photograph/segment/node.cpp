@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "graph/node_type.h"
 #include "nodes/common/io/reading.h"
@@ -152,6 +153,47 @@ void report_view(Context& c, const Segmentation& s) {
                     100 * s.evidence.shaded, s.evidence.judged));
 }
 
+void warn_of_mixed_view(Context& c, const Segmentation& s) {
+  const auto mixed = mixed_view(s.evidence);
+  if (!mixed || c.text("view") != "auto") return;
+  const auto percent = [](const ShadingCount& n) { return 100.0 * n.shaded / n.judged; };
+  c.warn(fmt::format(
+      "the photograph seems to be part cut and part surface: in its {} half, {:.0f} % of {} particles are "
+      "shaded like whole stones, in its {} half {:.0f} % of {}. All of it is taken as a {}; crop it, or set "
+      "view",
+      mixed->surface, percent(mixed->of_surface), mixed->of_surface.judged, mixed->cut,
+      percent(mixed->of_cut), mixed->of_cut.judged, name_of(s.profiles.view)));
+}
+
+// A side or corner of the picture, by the direction to it in degrees, 0 to below 360.
+const char* place_at(double direction) {
+  static constexpr const char* kPlaces[] = {"right", "upper right", "top",    "upper left",
+                                            "left",  "lower left",  "bottom", "lower right"};
+  return kPlaces[round_nearest(direction / 45) % 8];
+}
+
+// Throws Error "tilted-photograph" if the photograph seems to be taken at an angle too large to go on. Beds
+// may be sorted by size, so `view: surface` insists.
+void report_tilt(Context& c, const TiltEstimate& tilt) {
+  // Degrees. Below the first, sizes change by a fifth over the picture, as much as beds do. Beyond the
+  // second, they change by half, and stones far away are lost.
+  constexpr double kTilted = 8, kTooTilted = 20;
+  c.metric("tilt", tilt.degrees);
+  if (tilt.degrees < kTilted) return;
+  const double set = std::min(60.0, std::round(tilt.degrees));  // at most what LoadImage takes
+  const std::string what = fmt::format(
+      "in this view of a surface, stones shrink from the {} to the {} by a factor of {:.2f}, as in a "
+      "photograph taken at about {:g}° from straight above",
+      place_at(std::fmod(tilt.direction + 180, 360)), place_at(tilt.direction), tilt.factor, set);
+  const std::string then =
+      fmt::format("set tilt of LoadImage to {:g} and tilt_direction to {:g}", set, tilt.direction);
+  if (tilt.degrees > kTooTilted && c.text("view") != "surface")
+    throw Error("tilted-photograph", what,
+                then + ", or take it from above; if the bed itself is sorted by size, set view to surface")
+        .parameter("view");
+  c.warn(what + "; " + then + ", unless the bed itself is sorted by size");
+}
+
 void warn_of_undecided(Context& c, double undecided) {
   constexpr double kMuchUndecided = 0.25;
   if (undecided > kMuchUndecided)
@@ -194,6 +236,8 @@ void compute(Context& c) {
   if (!given) report_method(c, s);
   if (!given && options.method == Method::Auto && s.reliability.both > 0) report_reliability(c, s);
   report_view(c, s);
+  warn_of_mixed_view(c, s);
+  report_tilt(c, s.tilt);
   warn_of_undecided(c, undecided);
   if (at_border == s.profiles.profiles.size())
     c.warn("all profiles touch the border of the image: none has a weight, so they cannot be unfolded");
@@ -299,7 +343,9 @@ void add_measuring_parameters(NodeType& type) {
                     "whole stones from outside, such as a beach, a gravel bed or a bank: outlines are "
                     "silhouettes that hide each other. filling: a cut through grains without a binder. auto: "
                     "surface if particles are shaded like stones, filling if they cover at least 0.97 of the "
-                    "picture or there is no binder, else section; the metrics tell why."))
+                    "picture or there is no binder, else section; the metrics tell why. If surface is set, a "
+                    "photograph that seems to be taken at more than 20 degrees from above is no error but a "
+                    "warning."))
       .parameter(Parameter::seed().doc_("Random seed of k-means"));
 }
 
@@ -307,7 +353,7 @@ void add_measuring_parameters(NodeType& type) {
 
 NodeType segment_node() {
   NodeType type =
-      NodeType("Segment", 18)
+      NodeType("Segment", 19)
           .doc_(
               "Finds the particles of a section in its photograph and measures each profile: divides the "
               "image "

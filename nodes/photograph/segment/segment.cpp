@@ -92,12 +92,13 @@ void drop_labels(Segmentation& s, std::vector<double>& confidence, double least)
   }
 }
 
-// What the photograph shows, as the options say or the picture does.
+// What the photograph shows, as the options say or the picture does, and from where.
 void decide_view(const Image& photo, const SegmentOptions& options, Segmentation& s, const Work& work) {
   s.evidence = view_evidence(photo, s.labels, work);
   const double covered = options.binder.kind == Hint::Kind::None ? 1 : s.profiles.area_fraction;
   const View judged = judged_view(s.evidence, covered);
   set_view(s.profiles, options.view.value_or(judged), s.evidence);
+  if (s.profiles.view == View::Surface) s.tilt = estimated_tilt(s.profiles);
 }
 
 void measure_scales(const Image& photo, Segmentation& s) {

@@ -13,6 +13,7 @@
 #include "nodes/photograph/segment/color/particles.h"
 #include "nodes/photograph/segment/marks/ignored.h"
 #include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/segment/measure/tilt.h"
 #include "nodes/photograph/segment/measure/view.h"
 #include "nodes/photograph/segment/network/network.h"
 #include "nodes/photograph/segment/scribbles/scribbles.h"
@@ -60,6 +61,7 @@ struct Segmentation {
   std::int64_t unlikely = 0;              // particles dropped for their confidence
   std::vector<FoundObject> not_material;  // found and ignored
   ViewEvidence evidence;                  // of the view
+  TiltEstimate tilt;                      // of the camera, in View::Surface
 };
 
 // Pictures of more than 4096² pixels are segmented in tiles (tiles.h). Throws Error "empty-image",

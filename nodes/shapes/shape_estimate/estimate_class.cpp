@@ -5,11 +5,13 @@
 #include <algorithm>
 
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/fit.h"
 #include "nodes/shapes/shape_estimate/from_above.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
+#include "nodes/shapes/shape_estimate/relief.h"
 #include "nodes/shapes/shape_estimate/self_intersections.h"
 
 namespace terrazzo::shape_estimate {
@@ -32,7 +34,7 @@ constexpr std::size_t kFitHands = 4;
 
 // Shapes if `count` is auto: three bodies have the statistics of sections, but silhouettes are seen one by
 // one.
-constexpr int kBodies = 3, kSilhouettes = 12;
+constexpr int kBodies = 3, kSilhouettes = 24;
 
 int count_of_shapes(const Context& c, const Profiles& profiles, const EstimateMethod& method) {
   const bool silhouettes = profiles.view == View::Surface && method.run;
@@ -44,8 +46,8 @@ int count_of_shapes(const Context& c, const Profiles& profiles, const EstimateMe
 const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
   const std::string name = c.text("method");
   if (name != "auto") return method_of(name);
-  if (c.keyword("profiles").empty() || profiles.view == View::Surface)
-    return method_of("morphed_generalized_cylinder");
+  if (profiles.view == View::Surface) return method_of("inflation");
+  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
   const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
   return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
 }
@@ -62,6 +64,14 @@ const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const 
       .parameter("profiles");
 }
 
+// Balls have round outlines: the others are wrong.
+void keep_smoother_half(std::vector<Outline>& outlines) {
+  std::vector<double> relief;
+  for (const Outline& o : outlines) relief.push_back(relief_of(o));
+  const double limit = median(relief);
+  std::erase_if(outlines, [&](const Outline& o) { return relief_of(o) > limit; });
+}
+
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method,
               const CandidateOptions& options) {
   // The method that estimates all shapes together starts from several groups of profiles.
@@ -71,6 +81,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   const double crease = c.number("crease");
   Chosen out;
   auto candidates = candidates_of(profiles, options, c.work());
+  if (method.lies && usual_relief(candidates.outlines) < kRound) keep_smoother_half(candidates.outlines);
   out.usable = candidates.outlines.size();
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
@@ -186,6 +197,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
                             std::optional<double> thickness, const Work& all_work) {
   // The base of a stone that lies flat is its silhouette.
   const std::string axis = thickness && c.text("axis") == "auto" ? "short" : c.text("axis");
+  const double relief = method.lies ? usual_relief(chosen.all) : 0;
   ClassEstimate out;
   const std::size_t count = chosen.shapes.size();
   for (std::size_t s = 0; s < count; ++s) {
@@ -197,6 +209,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
     request.seed = c.seed();
     request.subdivision = c.integer("subdivision");
     request.control = c.optional_integer("control").value_or(0);
+    request.relief = relief;
     request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
     // If the profiles are the same again, use another one of them as the base.
     const std::size_t permutations = method.permutations ? method.permutations : request.chosen.size();
@@ -219,8 +232,8 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
           name, 100 * made.estimate.deviation));
     if (thickness) {
       // The base of a cylinder already lies in the picture.
-      if (request.axis != "short" || method.name.find("cylinder") == std::string::npos)
-        lie_down(made.estimate.mesh);
+      const bool cylinder = method.name.find("cylinder") != std::string::npos;
+      if (!method.lies && !(cylinder && request.axis == "short")) lie_down(made.estimate.mesh);
       give_thickness(made.estimate.mesh, *thickness);
     }
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);

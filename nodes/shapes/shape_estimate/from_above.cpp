@@ -10,28 +10,12 @@
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
 #include "nodes/common/stereology/random_sections.h"
+#include "nodes/shapes/shape_estimate/rays.h"
 
 namespace terrazzo::shape_estimate {
 namespace {
 
 constexpr int kRays = 96;
-constexpr double kRay = 2 * std::numbers::pi / kRays;
-
-// Raises the radii of the rays that the segment crosses.
-void raise(std::vector<double>& radius, const Vec2& a, const Vec2& b) {
-  const double from = std::atan2(a.y(), a.x());
-  const double turn = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-  const double low = std::min(from, from + turn), high = std::max(from, from + turn);
-  const Vec2 d = b - a;
-  for (auto k = static_cast<int>(std::ceil(low / kRay)); k * kRay <= high; ++k) {
-    const Vec2 ray(std::cos(k * kRay), std::sin(k * kRay));
-    const double across = d.x() * ray.y() - d.y() * ray.x();
-    const double t = std::abs(across) > 0 ? (a.y() * ray.x() - a.x() * ray.y()) / across : 0;
-    const double r = (a + std::clamp(t, 0.0, 1.0) * d).dot(ray);
-    double& most = radius[((k % kRays) + kRays) % kRays];
-    most = std::max(most, r);
-  }
-}
 
 // Edges of a closed mesh with the triangles on both sides. Only those between a triangle that faces the
 // viewer and one that does not can be part of an outline.
@@ -80,10 +64,8 @@ Loop silhouette(const Mesh& mesh, const std::vector<Edge>& edges, const Mat3& fr
   std::vector<double> radius(kRays, 0);
   const std::vector<char> facing = faces_viewer(mesh, shadow);
   for (const Edge& e : edges)
-    if (facing[e.first] != facing[e.second]) raise(radius, shadow[e.a], shadow[e.b]);
-  Loop loop;
-  for (int k = 0; k < kRays; ++k) loop.push_back(radius[k] * Vec2(std::cos(k * kRay), std::sin(k * kRay)));
-  return loop;
+    if (facing[e.first] != facing[e.second]) raise_radii(radius, shadow[e.a], shadow[e.b]);
+  return loop_of_radii(radius);
 }
 
 // A direction near z. The tilts have a Rayleigh distribution, as of two normal angles.

@@ -105,7 +105,7 @@ Parameter method_parameter() {
   }
   names.push_back("auto");
   doc += fmt::format(
-      " auto: fit with at least {} usable profiles of sections, otherwise "
+      " auto: inflation for a surface; fit with at least {} usable profiles of sections, otherwise "
       "morphed_generalized_cylinder.",
       kFitEnough);
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
@@ -141,7 +141,7 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::optional_integer("count", "auto")
                      .range(1, 100)
                      .doc_("Number of different shapes. With fit, the maximum: shapes of negligible weight "
-                           "are dropped. auto: 3, and 12 of a surface except with fit."))
+                           "are dropped. auto: 3, and 24 of a surface except with fit."))
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
                      .doc_("Number of profiles per shape, within the limits of the method"))

@@ -30,7 +30,7 @@ Profile profile_of(const JsonObject& o, View view) {
 
 View view_of(const JsonObject& all) {
   const std::string word = all.text("view");
-  for (const View view : {View::Section, View::Surface, View::Filling})
+  for (const View view : kViews)
     if (word == name_of(view)) return view;
   all.fail(fmt::format("has the view '{}', but a view is section, surface or filling", word));
 }
@@ -55,6 +55,7 @@ Profiles read_profiles_json(const std::string& text, const std::string& file) {
   out.area_fraction = all.number("area_fraction", 0, 1);
   if (all.has("view")) out.view = view_of(all);
   if (out.view == View::Surface) out.light = all.vector<Vec2>("light");
+  if (all.has("shading")) out.shading = all.number("shading", 0);
   for (const Json& j : all.list("profiles")) {
     const JsonObject one(j, source, fmt::format("profile {}: ", out.profiles.size()), "bad-profile");
     out.profiles.push_back(profile_of(one, out.view));

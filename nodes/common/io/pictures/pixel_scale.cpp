@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <utility>
 
@@ -99,6 +100,14 @@ std::optional<PixelScale> pixel_scale_of(const PictureDecoder& in) {
   // Between a nanometer and a meter; else the metadata are wrong.
   if (scale && !(scale->size >= 1e-6 && scale->size <= 1000)) scale.reset();
   return scale;
+}
+
+std::optional<double> field_of_view_of(const PictureDecoder& in) {
+  const int equivalent = in.whole("Exif:FocalLengthIn35mmFilm");
+  if (equivalent <= 0) return {};  // 0 means unknown
+  const double degrees = 2 * std::atan(18.0 / equivalent) * 180 / std::numbers::pi;
+  if (degrees < 1 || degrees > 170) return {};  // no camera for surfaces
+  return degrees;
 }
 
 }  // namespace terrazzo

@@ -14,6 +14,12 @@ struct PixelScale {
   std::string source;      // where the size comes from, for a message: "its resolution, 1200 pixels per inch"
 };
 
+// What the metadata state about sizes.
+struct StatedSizes {
+  std::optional<PixelScale> pixel;
+  std::optional<double> field_of_view;  // degrees across the picture's longer side, 1 to 170
+};
+
 // The length of a unit of microscopes and scanners, such as "µm", in mm; 0 if the name is unknown.
 double mm_of_unit(const std::string& unit);
 
@@ -22,5 +28,9 @@ double mm_of_unit(const std::string& unit);
 // resolution of a scan. The resolution of a camera's picture, and resolutions that programs write by habit
 // (72, 96, 180, 240 and 300 per inch), say nothing. None if there is no such information or it is absurd.
 std::optional<PixelScale> pixel_scale_of(const PictureDecoder&);
+
+// Of a camera whose 35 mm equivalent focal length f the metadata state (EXIF 2.32): 2·atan(18 mm / f), since
+// the longer side of such film is 36 mm. It does not hold for a picture that was cropped since.
+std::optional<double> field_of_view_of(const PictureDecoder&);
 
 }  // namespace terrazzo

@@ -8,13 +8,13 @@
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
 #include "nodes/photograph/segment/color/split.h"
 #include "nodes/photograph/segment/measure/pixel_lists.h"
 
 namespace terrazzo::segment {
 namespace {
 
-float luminance(const Vec3f& c) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
 
 // Logarithm of the uneven light on a small copy, mean 0.
 cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, const IgnoredPixels& ignored,
@@ -29,7 +29,7 @@ cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, c
       if (!ignored.empty() && ignored[before + i]) continue;
       const int u = std::min<int>(w - 1, x * scale), v = std::min<int>(h - 1, y * scale);
       const float share = ids[i] > 0 ? 0.1f : 1.0f;
-      sum.at<float>(v, u) += share * (std::log(std::max(1e-3f, luminance(image.pixels[before + i]))) -
+      sum.at<float>(v, u) += share * (std::log(std::max(1e-3f, luminance_of(image.pixels[before + i]))) -
                                       (ids[i] > 0 ? particles : binder));
       weight.at<float>(v, u) += share;
     }
@@ -72,7 +72,7 @@ void flatten(Vec3f* pixels, std::span<const std::int32_t> places, int width,
     cx += places[k] % width;
     cy += places[k] / width;
     deepest = std::max(deepest, std::sqrt(depth2[places[k]]));
-    light[k] = luminance(pixels[places[k]]);
+    light[k] = luminance_of(pixels[places[k]]);
   }
   cx /= n;
   cy /= n;
@@ -107,7 +107,7 @@ void flatten(Vec3f* pixels, std::span<const std::int32_t> places, int width,
     Vec3f& c = pixels[places[k]];
     const double factor = level / std::clamp(basis[k].dot(fit), 0.35 * level, 2.5 * level);
     c *= static_cast<float>(1 + trust * (factor - 1));
-    even[k] = luminance(c);
+    even[k] = luminance_of(c);
     for (int j = 0; j < 3; ++j) channel[j].push_back(c[j]);
   }
   const Vec3f usual(median(channel[0]), median(channel[1]), median(channel[2]));
@@ -134,7 +134,7 @@ Image delight(const Image& photo, const Labels& labels, const IgnoredPixels& ign
     constexpr std::size_t kEvery = 7;  // pixels; a sample is enough for a median
     for (std::size_t i = 0; i < size; i += kEvery)
       if (ignored.empty() || !ignored[before + i])
-        light[ids[i] > 0].push_back(std::log(std::max(1e-3f, luminance(photo.pixels[before + i]))));
+        light[ids[i] > 0].push_back(std::log(std::max(1e-3f, luminance_of(photo.pixels[before + i]))));
     const auto middle = [](const std::vector<float>& v) { return v.empty() ? 0.0f : median(v); };
     const cv::Mat field = uneven_light(photo, section, ids, ignored, middle(light[0]), middle(light[1]));
     cv::Mat full;

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/silhouette.h"
 #include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
 #include "nodes/photograph/segment/color/split.h"
 #include "nodes/photograph/segment/measure/pixel_lists.h"
 
@@ -25,13 +27,16 @@ constexpr std::size_t kFewPixels = 8;  // of a zone
 // drawn pictures of banks, heaps, outcrops and sections (results, Views).
 constexpr double kShaded = 0.3;
 constexpr int kFewJudged = 5;
+// Of mixed_view(): the fewest particles of a half, and standard errors that chance exceeds in one picture of
+// some thousands.
+constexpr int kFewInHalf = 20;
+constexpr double kSureDifference = 3.5;
 
 // Logarithm of luminance, limited where it is dark.
 std::vector<float> log_luminance(const Image& image, int section) {
   const std::size_t size = pixels_in(image.width, image.height), before = size * section;
   std::vector<float> light(size);
-  for (std::size_t i = 0; i < size; ++i)
-    light[i] = std::max(0.0F, image.pixels[before + i].dot(Vec3f(0.2126F, 0.7152F, 0.0722F)));
+  for (std::size_t i = 0; i < size; ++i) light[i] = std::max(0.0F, luminance_of(image.pixels[before + i]));
   std::vector<float> sorted = light;
   const auto ninth = sorted.begin() + static_cast<std::ptrdiff_t>(size * 9 / 10);
   std::nth_element(sorted.begin(), ninth, sorted.end());
@@ -43,6 +48,8 @@ std::vector<float> log_luminance(const Image& image, int section) {
 struct OneParticle {
   bool judged = false, shaded = false;
   Vec2 slope = Vec2::Zero();
+  std::vector<float> off;  // differences of its pixels from their median
+  Vec2 at = Vec2::Zero();  // centroid of the pixels, from the upper left corner
 };
 
 // The plane through the values, by least squares: its slope per radius, right and upwards.
@@ -81,6 +88,11 @@ OneParticle judge(std::span<const std::int32_t> pixels, int width, const std::ve
   out.judged = true;
   out.shaded = inner - between > kRise && between - median(std::move(rim)) > kRise;
   out.slope = slope_of(pixels, width, light);
+  for (const std::int32_t i : pixels) out.off.push_back(light[i]);
+  const float own = median(out.off);
+  for (float& v : out.off) v = std::abs(v - own);
+  for (const std::int32_t i : pixels) out.at += Vec2(i % width, i / width);
+  out.at /= pixels.size();
   return out;
 }
 
@@ -91,12 +103,29 @@ bool at_border(std::span<const std::int32_t> pixels, int width, int height) {
   });
 }
 
+void count_shading(const OneParticle& p, int width, int height, ViewEvidence& out) {
+  const std::size_t side = p.at.x() < 0.5 * width ? 0 : 1, level = p.at.y() < 0.5 * height ? 2 : 3;
+  for (const std::size_t half : {side, level}) {
+    ++out.halves[half].judged;
+    out.halves[half].shaded += p.shaded;
+  }
+  ++out.judged;
+}
+
+// How many standard errors the shares of shaded particles differ by, if both were equal.
+double shading_difference(const ShadingCount& a, const ShadingCount& b) {
+  const double n = a.judged, m = b.judged, all = (a.shaded + b.shaded) / (n + m);
+  const double error = std::sqrt(all * (1 - all) * (1 / n + 1 / m));
+  return error > 0 ? std::abs(a.shaded / n - b.shaded / m) / error : 0;
+}
+
 }  // namespace
 
 ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work& work) {
   const std::size_t size = pixels_in(image.width, image.height);
   ViewEvidence out;
   std::vector<double> right, up;
+  std::vector<float> off;
   int shaded = 0;
   for (int section = 0; section < image.sections; ++section) {
     const std::span<const std::int32_t> ids(labels.ids.data() + size * section, size);
@@ -114,8 +143,9 @@ ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work&
     });
     for (const OneParticle& p : all) {
       if (!p.judged) continue;
-      ++out.judged;
+      count_shading(p, image.width, image.height, out);
       shaded += p.shaded;
+      off.insert(off.end(), p.off.begin(), p.off.end());
       right.push_back(p.slope.x());
       up.push_back(p.slope.y());
     }
@@ -123,6 +153,7 @@ ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work&
   if (out.judged == 0) return out;
   out.shaded = static_cast<double>(shaded) / out.judged;
   out.light = {median(std::move(right)), median(std::move(up))};
+  out.shading = median(std::move(off));
   return out;
 }
 
@@ -131,10 +162,31 @@ View judged_view(const ViewEvidence& e, double area_fraction) {
   return area_fraction >= kNoBinder ? View::Filling : View::Section;
 }
 
+std::optional<MixedView> mixed_view(const ViewEvidence& e) {
+  static constexpr std::array<const char*, 4> kNames = {"left", "right", "upper", "lower"};
+  std::optional<MixedView> out;
+  double most = kSureDifference;
+  for (const std::size_t first : {0, 2}) {
+    std::size_t surface = first, cut = first + 1;
+    if (std::min(e.halves[surface].judged, e.halves[cut].judged) < kFewInHalf) continue;
+    const auto looks_like_stones = [&](std::size_t half) {
+      return e.halves[half].shaded >= kShaded * e.halves[half].judged;
+    };
+    if (looks_like_stones(surface) == looks_like_stones(cut)) continue;
+    if (looks_like_stones(cut)) std::swap(surface, cut);
+    const double differs = shading_difference(e.halves[surface], e.halves[cut]);
+    if (differs <= most) continue;
+    most = differs;
+    out = MixedView{kNames[surface], kNames[cut], e.halves[surface], e.halves[cut]};
+  }
+  return out;
+}
+
 void set_view(Profiles& profiles, View view, const ViewEvidence& evidence) {
   profiles.view = view;
   if (view != View::Surface) return;
   profiles.light = evidence.light;
+  profiles.shading = evidence.shading;
   for (Profile& p : profiles.profiles) p.whole = std::max(p.area, whole_silhouette(p.contour));
 }
 

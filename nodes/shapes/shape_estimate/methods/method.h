@@ -20,6 +20,7 @@ struct EstimateRequest {
   int control = 0;            // control points per quarter of a curve; 0: as many as the curves need
   std::string axis = "auto";  // "auto", "short" or "long"
   int base = 0;               // index of the base profile: 0 has the aspect ratio closest to one
+  double relief = 0;          // usual relief of all profiles (relief.h)
 };
 
 struct Estimate {
@@ -38,6 +39,7 @@ struct EstimateMethod {
   Estimate (*run)(const EstimateRequest&, const Work&);  // null: all shapes are estimated together (fit.h)
   std::size_t permutations = 0;  // number of bodies from the same profiles; 0: the number of profiles
   bool silhouettes = false;      // profiles are reproduced as silhouettes, not as sections
+  bool lies = false;             // the first profile lies in the x-y plane
 };
 
 const std::vector<EstimateMethod>& estimate_methods();
@@ -51,6 +53,12 @@ Estimate csg(const EstimateRequest&, const Work&);
 Estimate generalized_cylinder(const EstimateRequest&, const Work&);
 // Section 3.4.
 Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
+
+// The body whose silhouette from above is the profile. Its height is the root of the solution of ∇²u = −1
+// that is 0 on the outline, as in Joshi and Carr 2008 ("Repoussé"): an ellipse becomes an ellipsoid. Worn
+// faces give it the relief in height that outlines have in the plane; below kRound it becomes an ellipsoid.
+// Bays that no ray from the center reaches are filled.
+Estimate inflation(const EstimateRequest&, const Work&);
 
 // The surface swept over a frame, with enough control points to reproduce its curves (morph_frame.h).
 struct MorphFrame;

@@ -12,6 +12,10 @@ const std::vector<EstimateMethod>& estimate_methods() {
       {"generalized_cylinder", 2, 2, "half of one profile swept around another", generalized_cylinder},
       {"morphed_generalized_cylinder", 3, 0,
        "a profile swept around another while it morphs between two or more", morphed_generalized_cylinder},
+      {"inflation", 1, 1,
+       "a body with one profile as its silhouette and faces as uneven as the profiles, for stones of a "
+       "surface",
+       inflation, 0, false, true},
       {"fit", 3, 0,
        "bodies from the other methods, deformed until their random sections have the joint distribution of "
        "circularity, total curvature, aspect ratio, convexity, corners, symmetry and curvature of all "

@@ -1,6 +1,7 @@
 // Segment decides from the shading of particles whether a photograph shows a cut or a surface.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -83,6 +84,57 @@ TEST(SegmentView, CoveredPicturesAreFillings) {
   EXPECT_EQ(judged_view({.judged = 30, .shaded = 0.1}, 0.9), View::Section);
   EXPECT_EQ(judged_view({.judged = 30, .shaded = 0.6}, 0.98), View::Surface);
   EXPECT_EQ(judged_view({.judged = 4, .shaded = 1}, 0.5), View::Section);  // too few to tell
+}
+
+TEST(SegmentView, HalvesThatDifferAreTold) {
+  ViewEvidence e;
+  e.halves = {{{30, 25}, {40, 2}, {35, 14}, {35, 13}}};
+  const auto mixed = mixed_view(e);
+  ASSERT_TRUE(mixed);
+  EXPECT_STREQ(mixed->surface, "left");
+  EXPECT_STREQ(mixed->cut, "right");
+  EXPECT_EQ(mixed->of_surface.shaded, 25);
+  e.halves = {{{35, 14}, {35, 13}, {40, 2}, {30, 25}}};
+  ASSERT_TRUE(mixed_view(e));
+  EXPECT_STREQ(mixed_view(e)->surface, "lower");
+
+  EXPECT_FALSE(mixed_view({}));
+  e.halves = {{{19, 19}, {40, 0}, {20, 9}, {39, 10}}};  // too few on the left
+  EXPECT_FALSE(mixed_view(e));
+  e.halves = {{{100, 95}, {100, 45}, {100, 70}, {100, 70}}};  // both are surfaces
+  EXPECT_FALSE(mixed_view(e));
+  e.halves = {{{40, 13}, {40, 10}, {40, 11}, {40, 12}}};  // by chance
+  EXPECT_FALSE(mixed_view(e));
+}
+
+// Domes at the left, flat discs at the right.
+TEST(SegmentView, AHalfCutPhotographIsTold) {
+  Image image(320, 320, 1, 0.5);
+  Labels labels;
+  labels.width = labels.height = 320;
+  labels.sections = 1;
+  labels.pixel_size = 0.5;
+  labels.ids.assign(image.pixels.size(), 0);
+  labels.classes.assign(64, 0);
+  Random random(5);
+  for (int y = 0; y < 320; ++y)
+    for (int x = 0; x < 320; ++x) {
+      const double r = std::hypot(x % 40 - 19.5, y % 40 - 19.5) / 17;
+      if (r < 1) labels.ids[image.index(x, y)] = y / 40 * 8 + x / 40 + 1;
+      const double height = std::sqrt(std::max(0.0, 1 - r * r));
+      const double light = r >= 1 ? 0.1 : x < 160 ? 0.2 + 0.2 * height : 0.4;
+      image.at(x, y).setConstant(static_cast<float>(light * (1 + 0.02 * random.normal())));
+    }
+  const auto warned = [&](const char* view) {
+    const auto run = test::run_node("Segment", {{"image", Value::of(image)}, {"labels", Value::of(labels)}},
+                                    {{"view", view}, {"find_objects", "false"}});
+    return std::count_if(run.warnings.begin(), run.warnings.end(), [](const std::string& w) {
+      return w.find("part cut and part surface: in its left half") != std::string::npos &&
+             w.find("taken as a surface") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(warned("auto"), 1);
+  EXPECT_EQ(warned("surface"), 0);
 }
 
 // Drawn scenes with their own labels: of 16 of each kind, at most two are mistaken.

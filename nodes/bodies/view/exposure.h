@@ -1,0 +1,30 @@
+// How bright a lit picture of a bed is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/bodies/view/surface_view.h"
+
+namespace terrazzo::view {
+
+// What is known of each pixel of a picture before its light is. Stones at or below `ground` are in the shadow
+// between loose stones.
+struct UnlitPixels {
+  const std::vector<std::int32_t>& stone;  // −1: soil
+  const std::vector<float>& height;        // mm
+  const std::vector<Vec3f>& color;         // without light
+  const std::vector<float>& sun;  // light of the sun, and the open share of the sky, each relative to
+  const std::vector<float>& sky;  // level ground in the open
+  float ground = 0;               // mm
+  float bounce = 0;               // light from hidden directions, relative to the open sky's
+  Vec3f between = Vec3f::Zero();  // color of the places between loose stones
+};
+
+// The colors that a camera sees. The sun gets the share of the light with which stones are as uneven as in
+// the photograph (SurfaceOptions::shading), or that of options.light without it. Stones are as bright on
+// average as in the photograph, soil has its color, and shadows between loose stones are deepened until they
+// are as dark.
+std::vector<Vec3f> exposed(const UnlitPixels&, const SurfaceOptions&, const Work&);
+
+}  // namespace terrazzo::view
