@@ -35,7 +35,6 @@ void encode(const Profiles& v, Writer& w) {
   if (v.view == View::Section) return;  // as before there were others
   w.pod(static_cast<std::int32_t>(v.view));
   w.bytes(v.light.data(), sizeof(double) * 2);
-  w.pod(v.shading);
   for (const auto& p : v.profiles) w.pod(p.whole);
 }
 
@@ -71,7 +70,6 @@ Profiles decode_profiles(Reader& r) {
     throw Error("damaged", "the stored value has an impossible view");
   v.view = static_cast<View>(view);
   r.bytes(v.light.data(), sizeof(double) * 2);
-  v.shading = r.pod<double>();
   for (auto& p : v.profiles) p.whole = r.pod<double>();
   return v;
 }
@@ -102,10 +100,7 @@ nlohmann::json describe(const Profiles& v) {
                         {"area_fraction", v.area_fraction},
                         {"profiles", std::move(list)}};
   if (v.view != View::Section) out["view"] = name_of(v.view);
-  if (v.view == View::Surface) {
-    out["light"] = json_of(v.light);
-    out["shading"] = v.shading;
-  }
+  if (v.view == View::Surface) out["light"] = json_of(v.light);
   return out;
 }
 

@@ -54,9 +54,6 @@ struct Profiles {
   // In View::Surface, how fast the logarithm of the luminance grows across a particle, per radius, to the
   // right and upwards: it points toward the light. Otherwise 0.
   Vec2 light = Vec2::Zero();
-  // In View::Surface, the median difference between the logarithm of a pixel's luminance and the median of its
-  // particle; 0: unknown.
-  double shading = 0;
 };
 
 // Whether the profiles show stones that lie on each other, without soil between them: of a surface whose gaps

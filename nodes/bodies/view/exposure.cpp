@@ -1,7 +1,9 @@
 #include "nodes/bodies/view/exposure.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "nodes/common/geometry/rank.h"
@@ -17,6 +19,7 @@ constexpr float kDarkest = 1e-6F;
 struct StoneSamples {
   std::vector<std::size_t> pixels;
   std::vector<std::size_t> first;  // of each stone, and the end
+  std::size_t step = 1;            // of the chosen pixels
 
   explicit StoneSamples(const UnlitPixels& p) {
     constexpr std::size_t kMost = 200'000;
@@ -26,7 +29,7 @@ struct StoneSamples {
       if (p.stone[i] >= 0 && p.height[i] > p.ground) all.push_back(i);
     std::stable_sort(all.begin(), all.end(),
                      [&](std::size_t a, std::size_t b) { return p.stone[a] < p.stone[b]; });
-    const std::size_t step = 1 + all.size() / kMost;
+    step = 1 + all.size() / kMost;
     first.push_back(0);
     for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
       while (end < all.size() && p.stone[all[end]] == p.stone[all[begin]]) ++end;
@@ -56,28 +59,68 @@ SampledValues sampled(const StoneSamples& samples, const Value& value) {
   return out;
 }
 
+// Hidden parts of the sky return light that was reflected any number of times (Stewart and Langer 1997: what
+// they see is as bright as the place itself).
 float light_of_pixel(const UnlitPixels& p, std::size_t i, float share) {
-  return share * p.sun[i] + (1 - share) * p.sky[i] + p.bounce * (1 - p.sky[i]);
+  return share * p.sun[i] + (1 - share) * p.sky[i] / (1 - p.albedo * (1 - p.sky[i]));
 }
 
-// As Profiles::shading.
-float shading_with(const UnlitPixels& p, const StoneSamples& samples, float share) {
-  const SampledValues v = sampled(samples, [&](std::size_t i) {
-    return std::log(kDarkest + luminance_of(p.color[i]) * light_of_pixel(p, i, share));
-  });
-  std::vector<float> off;
-  for (std::size_t k = 0; k < v.value.size(); ++k) off.push_back(std::abs(v.value[k] - v.median[k]));
-  return off.empty() ? 0 : median(std::move(off));
-}
+// How fast the logarithm of luminance grows towards the light across a stone, per radius: Profiles::light, in
+// the direction `towards`.
+class SlopesOfStones {
+ public:
+  SlopesOfStones(const UnlitPixels& p, const StoneSamples& samples, const Vec2& towards)
+      : p_(p), samples_(samples) {
+    for (std::size_t s = 0; s + 1 < samples.first.size(); ++s) add_stone(s, towards);
+  }
 
-// More sun makes stones more uneven. Between an overcast sky and a clear one.
-float sun_share(const UnlitPixels& p, const StoneSamples& samples, double wanted) {
+  double median_with(float share) const {
+    std::vector<double> slopes;
+    for (std::size_t s = 0; s + 1 < samples_.first.size(); ++s) {
+      double slope = 0;
+      for (std::size_t k = samples_.first[s]; k < samples_.first[s + 1]; ++k) {
+        const std::size_t i = samples_.pixels[k];
+        const float light = luminance_of(p_.color[i]) * light_of_pixel(p_, i, share);
+        slope += weight_[k] * std::log(kDarkest + light);
+      }
+      slopes.push_back(slope);
+    }
+    return median(std::move(slopes));
+  }
+
+ private:
+  // The slope of the plane through values by least squares is a weighted sum of them.
+  void add_stone(std::size_t s, const Vec2& towards) {
+    const std::size_t first = samples_.first[s];
+    const std::size_t end = samples_.first[s + 1];
+    const double radius = std::sqrt(samples_.step * (end - first) / std::numbers::pi);
+    const auto place = [&](std::size_t k) {
+      const auto at = Vec2(samples_.pixels[k] % p_.width, -double(samples_.pixels[k] / p_.width));
+      return Vec2(at / radius);
+    };
+    Vec2 mean = Vec2::Zero();
+    for (std::size_t k = first; k < end; ++k) mean += place(k) / (end - first);
+    Eigen::Matrix2d squares = Eigen::Matrix2d::Identity() * 1e-9;
+    for (std::size_t k = first; k < end; ++k) squares += (place(k) - mean) * (place(k) - mean).transpose();
+    const Vec2 across = squares.inverse() * towards;
+    for (std::size_t k = first; k < end; ++k) weight_.push_back(across.dot(place(k) - mean));
+  }
+
+  const UnlitPixels& p_;
+  const StoneSamples& samples_;
+  std::vector<double> weight_;  // of each sample
+};
+
+// More sun makes slopes steeper. Between an overcast sky and a clear one.
+float sun_share(const UnlitPixels& p, const StoneSamples& samples, const Vec2& slope) {
   constexpr int kHalvings = 7;
+  const double wanted = slope.norm();
+  const SlopesOfStones slopes(p, samples, slope / wanted);
   float low = 0.05F;
   float high = 0.85F;
   for (int k = 0; k < kHalvings; ++k) {
     const float middle = (low + high) / 2;
-    (shading_with(p, samples, middle) > wanted ? high : low) = middle;
+    (slopes.median_with(middle) > wanted ? high : low) = middle;
   }
   return (low + high) / 2;
 }
@@ -143,7 +186,7 @@ float brightness_for(const std::vector<Vec3f>& color, const StoneSamples& sample
 std::vector<Vec3f> exposed(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
   const StoneSamples samples(p);
   float share = static_cast<float>(options.light.share);
-  if (options.shading && !samples.pixels.empty()) share = sun_share(p, samples, *options.shading);
+  if (options.slope && !samples.pixels.empty()) share = sun_share(p, samples, *options.slope);
   work.check();
   std::vector<float> light(p.stone.size());
   for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);

@@ -17,12 +17,13 @@ struct UnlitPixels {
   const std::vector<float>& sun;  // light of the sun, and the open share of the sky, each relative to
   const std::vector<float>& sky;  // level ground in the open
   float ground = 0;               // mm
-  float bounce = 0;               // light from hidden directions, relative to the open sky's
+  int width = 1;                  // pixels
+  float albedo = 0;               // mean reflectance of the stones, below 1
   Vec3f between = Vec3f::Zero();  // color of the places between loose stones
 };
 
 // The colors that a camera sees. The sun gets the share of the light with which stones are as uneven as in
-// the photograph (SurfaceOptions::shading), or that of options.light without it. Stones are as bright on
+// the photograph (SurfaceOptions::slope), or that of options.light without it. Stones are as bright on
 // average as in the photograph, soil has its color, and shadows between loose stones are deepened until they
 // are as dark.
 std::vector<Vec3f> exposed(const UnlitPixels&, const SurfaceOptions&, const Work&);

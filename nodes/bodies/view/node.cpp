@@ -93,7 +93,7 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
   std::optional<Vec2> slope;
   if (photograph && photograph->view == View::Surface) {
     slope = photograph->light;
-    if (photograph->shading > 0) options.shading = photograph->shading;
+    if (slope->norm() > 0) options.slope = slope;
   }
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));
   options.shaded = c.boolean("shaded");

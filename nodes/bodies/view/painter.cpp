@@ -18,8 +18,8 @@ constexpr int kSkyReach = 2;      // pixels over which the sky is smoothed
 }  // namespace
 
 Painter::Painter(const Bed& bed, const Shader& shader, const carving::ParticleColors& colors,
-                 const SurfaceOptions& options, float bounce, int picture)
-    : bed_(bed), shader_(shader), colors_(colors), options_(options), bounce_(bounce) {
+                 const SurfaceOptions& options, float albedo, int picture)
+    : bed_(bed), shader_(shader), colors_(colors), options_(options), albedo_(albedo) {
   const std::size_t pixels = pixels_in(options.pixels_x, options.pixels_y);
   first_ = picture * pixels;
   stone_.assign(pixels, -1);
@@ -66,9 +66,9 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   each_row(work.part(0.8, 0.85), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) open[at(x, row)] = smooth_sky(x, row);
   });
-  color_ =
-      exposed({stone_, height_, color_, sun_, open, ground_, bounce_, colors_.at(Vec3f::Zero(), -1, false)},
-              options_, work);
+  color_ = exposed({stone_, height_, color_, sun_, open, ground_, options_.pixels_x, albedo_,
+                    colors_.at(Vec3f::Zero(), -1, false)},
+                   options_, work);
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });

@@ -15,9 +15,9 @@ namespace terrazzo::view {
 // All arrays are ordered row by row from the top.
 class Painter {
  public:
-  // `bounce`: the light that comes from hidden directions, relative to the open sky's. `picture`: its number,
+  // `albedo`: the share of light that stones reflect, on average. `picture`: its number,
   // from 0, which decides how the rays of each pixel are turned. Everything must outlive the painter.
-  Painter(const Bed&, const Shader&, const carving::ParticleColors&, const SurfaceOptions&, float bounce,
+  Painter(const Bed&, const Shader&, const carving::ParticleColors&, const SurfaceOptions&, float albedo,
           int picture);
 
   // Writes the pixels.
@@ -50,7 +50,7 @@ class Painter {
   const Shader& shader_;
   const carving::ParticleColors& colors_;
   const SurfaceOptions& options_;
-  float bounce_;
+  float albedo_;
   std::uint64_t first_;              // number of the first pixel, of all pictures
   float soil_ = 0;                   // height, mm
   float ground_ = 0;                 // height of the soil, or of the shadows between loose stones, mm

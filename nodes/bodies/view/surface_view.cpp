@@ -15,9 +15,9 @@ namespace terrazzo::view {
 namespace {
 
 constexpr double kMostPixels = 64 << 20;
-constexpr double kReach = 3;      // of the sky's rays, in diameters of the largest particle
-constexpr double kLift = 0.05;    // of rays from their surface, pixels
-constexpr float kBounce = 0.15f;  // of hidden directions, times the mean color
+constexpr double kReach = 3;            // of the sky's rays, in diameters of the largest particle
+constexpr double kLift = 0.05;          // of rays from their surface, pixels
+constexpr float kMostReflected = 0.8f;  // by stones: beyond it, light never ends
 
 void require_few_pixels(const SurfaceOptions& options) {
   const double pictures = options.places.size();
@@ -79,7 +79,7 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
   const StoneMeshes meshes(shapes);
   const carving::ParticleColors colors(particles, detail);
   const double reach = kReach * meshes.largest(particles);
-  const float bounce = kBounce * mean_color(particles);
+  const float albedo = std::min(kMostReflected, mean_color(particles));
   SurfaceView out = empty_view(particles, options);
   const int pictures = count_of(options.places);
   BedRest rest;
@@ -92,7 +92,7 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
     const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach, rest,
                   part.part(0, 0.2));
     const Shader shader(bed, options.light, reach, kLift * options.pixel_size);
-    Painter painter(bed, shader, colors, options, bounce, k);
+    Painter painter(bed, shader, colors, options, albedo, k);
     painter.paint(&out.image.at(0, 0, k), part.part(0.2, 1));
     count_stones(out, painter.stones(), bed);
     add_pieces(out, k, painter.stones(), bed, particles, options);

@@ -29,8 +29,8 @@ struct SurfaceOptions {
   bool loose = false;  // no soil: the deepest places show stones in the shadow, which have no labels
   // The mean of all channels of the photograph's stones, scene-linear; nothing: the usual light is 1.
   std::optional<float> brightness;
-  // Profiles::shading of the photograph; nothing: the sun has the share that `light` says.
-  std::optional<double> shading;
+  // Profiles::light of the photograph, not 0; nothing: the sun has the share that `light` says.
+  std::optional<Vec2> slope;
   bool shaded = true;  // whether light falls on the stones; otherwise they have flat colors
   Light light;
   std::uint64_t seed = 1;

@@ -7,9 +7,11 @@
 #include <optional>
 
 #include "nodes/color/colorize/colors_of_sizes.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/kmeans.h"
 #include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
 #include "runtime/random.h"
 
 namespace terrazzo::colorize {
@@ -45,6 +47,55 @@ struct Source {
   std::size_t count() const { return color.size(); }
 };
 
+// Which stones of a surface have their color from lying deep: those that others hide by half, and, between
+// loose stones, those as dark as the gaps, unless they are larger than most. A view from above gives them
+// their shadow.
+class Shadows {
+ public:
+  Shadows() = default;  // none
+  explicit Shadows(const Profiles& all) {
+    if (all.view != View::Surface) return;
+    std::vector<double> whole;
+    for (const Profile& p : all.profiles)
+      if (!hidden(p)) whole.push_back(p.whole);
+    if (whole.empty()) return;
+    surface_ = true;
+    if (!shows_loose_stones(all)) return;
+    larger_ = median(std::move(whole));
+    dark_ = luminance_of(all.binder_color);
+  }
+
+  bool hold(const Profile& p) const {
+    return surface_ && (hidden(p) || (p.whole < larger_ && luminance_of(p.color) <= dark_));
+  }
+
+ private:
+  static bool hidden(const Profile& p) { return p.area < 0.5 * p.whole; }
+
+  bool surface_ = false;
+  double larger_ = 0;  // mm²
+  float dark_ = 0;
+};
+
+Source source_of(const Profiles& profiles, bool weightless, const Shadows& shadows) {
+  Source s;
+  for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
+    const Profile& p = profiles.profiles[i];
+    if (!p.color.allFinite() || !std::isfinite(p.weight) || p.weight < 0 || !std::isfinite(p.area) ||
+        p.area <= 0)
+      throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid color, weight or area",
+                  "check the photograph for NaN and the segmentation for empty profiles");
+    const double w = weightless ? 1 : p.weight;
+    if (w == 0 || shadows.hold(p)) continue;
+    s.color.push_back(p.color);
+    s.weight.push_back(w);
+    s.cls.push_back(p.cls);
+    const double area = profiles.view == View::Surface ? std::max(p.area, p.whole) : p.area;
+    s.size.push_back(std::sqrt(4 * area / std::numbers::pi));
+  }
+  return s;
+}
+
 Source usable(const Profiles& profiles, ColorReport& report) {
   if (profiles.profiles.empty())
     throw Error("no-profiles", "there are no profiles to draw colors from", "check the segmentation");
@@ -54,21 +105,9 @@ Source usable(const Profiles& profiles, ColorReport& report) {
                                    [](const Profile& p) { return p.weight > 0; });
   report.colorless = std::all_of(profiles.profiles.begin(), profiles.profiles.end(),
                                  [](const Profile& p) { return p.color.isZero(0); });
-  Source s;
-  for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
-    const Profile& p = profiles.profiles[i];
-    if (!p.color.allFinite() || !std::isfinite(p.weight) || p.weight < 0 || !std::isfinite(p.area) ||
-        p.area <= 0)
-      throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid color, weight or area",
-                  "check the photograph for NaN and the segmentation for empty profiles");
-    const double w = report.weightless ? 1 : p.weight;
-    if (w == 0) continue;
-    s.color.push_back(p.color);
-    s.weight.push_back(w);
-    s.cls.push_back(p.cls);
-    const double area = profiles.view == View::Surface ? std::max(p.area, p.whole) : p.area;
-    s.size.push_back(std::sqrt(4 * area / std::numbers::pi));
-  }
+  const Shadows shadows(profiles);
+  Source s = source_of(profiles, report.weightless, shadows);
+  if (s.count() == 0) s = source_of(profiles, report.weightless, {});
   report.profiles_used = s.count();
   return s;
 }
@@ -122,7 +161,7 @@ void color_by_fragments(Particles& particles, const Profiles& profiles, std::uin
     if (!f.color.allFinite() || !std::isfinite(f.area) || f.area < 0)
       throw Error("bad-profile", "fragment " + std::to_string(k + 1) + " has no valid color or area",
                   "check the photograph for NaN");
-    draw.add(k, f.area);
+    if (profiles.view != View::Surface) draw.add(k, f.area);
     hidden += f.area;
   }
   if (draw.empty()) return;

@@ -49,7 +49,7 @@ namespace terrazzo {
 
 NodeType colorize_node() {
   using namespace colorize;
-  return NodeType("Colorize", 6)
+  return NodeType("Colorize", 7)
       .doc_(
           "Gives every particle the color of a profile of the photograph (its median), and the binder its "
           "mean "

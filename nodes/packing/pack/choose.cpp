@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
+#include "nodes/packing/pack/fabric.h"
 
 namespace terrazzo::pack {
 namespace {
@@ -47,6 +48,7 @@ Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, c
                    const Particles* start, packing::PackOptions options, const Work& work) {
   options.on_jam = packing::OnJam::Shrink;
   options.lying = true;
+  options.long_axes = long_axes(*profiles);
   if (options.population.edges.empty()) options.population.edges = bed_like(*profiles, distribution, options);
   Choice choice;
   choice.method = Method::Anneal;

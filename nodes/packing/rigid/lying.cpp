@@ -1,5 +1,6 @@
 #include "nodes/packing/rigid/lying.h"
 
+#include <cmath>
 #include <numbers>
 #include <optional>
 
@@ -11,20 +12,42 @@ namespace {
 
 constexpr std::uint64_t kLie = 0x6c6965;
 
+struct FlatBody {
+  Quat turn;             // that lays the body down
+  double long_axis = 0;  // its direction then, radians
+};
+
+std::optional<FlatBody> flat_body(const Mesh& mesh) {
+  const auto turn = shortest_axis_up(mesh);
+  if (!turn) return {};
+  double xx = 0, xy = 0, yy = 0;
+  for (const Vec3& v : mesh.vertices) {
+    const Vec3 at = *turn * v;
+    xx += at.x() * at.x();
+    xy += at.x() * at.y();
+    yy += at.y() * at.y();
+  }
+  return FlatBody{*turn, std::atan2(2 * xy, xx - yy) / 2};
+}
+
 }  // namespace
 
-void lay_flat(Packing& packing, const Shapes& shapes, std::size_t first, std::uint64_t seed) {
-  std::vector<std::optional<Quat>> flat;
-  for (const Shape& s : shapes.shapes) flat.push_back(shortest_axis_up(s.mesh));
+void lay_flat(Packing& packing, const Shapes& shapes, std::size_t first, const std::vector<double>& long_axes,
+              std::uint64_t seed) {
+  std::vector<std::optional<FlatBody>> flat;
+  for (const Shape& s : shapes.shapes) flat.push_back(flat_body(s.mesh));
   for (std::size_t i = first; i < packing.count(); ++i) {
-    const auto& turn = flat[packing.shape[i]];
-    if (!turn) continue;
+    const auto& body = flat[packing.shape[i]];
+    if (!body) continue;
     Random random(seed, kLie, i);
-    const double azimuth = random.uniform(0, 2 * std::numbers::pi);
+    double azimuth = random.uniform(0, 2 * std::numbers::pi);
     const Vec3 tilt(kTilt * random.normal(), kTilt * random.normal(), 0);
     const bool over = random.uniform() < 0.5;
-    Quat q = Quat(Eigen::AngleAxisd(azimuth, Vec3::UnitZ())) * *turn;
+    if (!long_axes.empty()) azimuth = long_axes[random.below(long_axes.size())];
+    const Quat along_x(Eigen::AngleAxisd(-body->long_axis, Vec3::UnitZ()));
+    Quat q = along_x * body->turn;
     if (over) q = Quat(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX())) * q;
+    q = Quat(Eigen::AngleAxisd(azimuth, Vec3::UnitZ())) * q;
     if (tilt.norm() > 0) q = Quat(Eigen::AngleAxisd(tilt.norm(), tilt.normalized())) * q;
     packing.orientation[i] = q.normalized();
   }

@@ -19,8 +19,9 @@ struct InterruptedPacking {
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
-  bool lying = false;     // particles start with their flat side down (lying.h) instead of at random
-  int iterations = 6000;  // steps until the particles are considered jammed; see Budget
+  bool lying = false;             // particles start with their flat side down (lying.h) instead of at random
+  std::vector<double> long_axes;  // radians; directions of lying particles' long axes; empty: at random
+  int iterations = 6000;          // steps until the particles are considered jammed; see Budget
   // How far above the estimate a volume fraction is refused at once if on_jam is Fail. 0: also if a sample
   // of the particles took longer than `iterations`.
   double hopeless = 0.15;

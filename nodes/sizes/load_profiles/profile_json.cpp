@@ -55,7 +55,6 @@ Profiles read_profiles_json(const std::string& text, const std::string& file) {
   out.area_fraction = all.number("area_fraction", 0, 1);
   if (all.has("view")) out.view = view_of(all);
   if (out.view == View::Surface) out.light = all.vector<Vec2>("light");
-  if (all.has("shading")) out.shading = all.number("shading", 0);
   for (const Json& j : all.list("profiles")) {
     const JsonObject one(j, source, fmt::format("profile {}: ", out.profiles.size()), "bad-profile");
     out.profiles.push_back(profile_of(one, out.view));

@@ -48,7 +48,6 @@ std::vector<float> log_luminance(const Image& image, int section) {
 struct OneParticle {
   bool judged = false, shaded = false;
   Vec2 slope = Vec2::Zero();
-  std::vector<float> off;  // differences of its pixels from their median
   Vec2 at = Vec2::Zero();  // centroid of the pixels, from the upper left corner
 };
 
@@ -88,9 +87,6 @@ OneParticle judge(std::span<const std::int32_t> pixels, int width, const std::ve
   out.judged = true;
   out.shaded = inner - between > kRise && between - median(std::move(rim)) > kRise;
   out.slope = slope_of(pixels, width, light);
-  for (const std::int32_t i : pixels) out.off.push_back(light[i]);
-  const float own = median(out.off);
-  for (float& v : out.off) v = std::abs(v - own);
   for (const std::int32_t i : pixels) out.at += Vec2(i % width, i / width);
   out.at /= pixels.size();
   return out;
@@ -125,7 +121,6 @@ ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work&
   const std::size_t size = pixels_in(image.width, image.height);
   ViewEvidence out;
   std::vector<double> right, up;
-  std::vector<float> off;
   int shaded = 0;
   for (int section = 0; section < image.sections; ++section) {
     const std::span<const std::int32_t> ids(labels.ids.data() + size * section, size);
@@ -145,7 +140,6 @@ ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work&
       if (!p.judged) continue;
       count_shading(p, image.width, image.height, out);
       shaded += p.shaded;
-      off.insert(off.end(), p.off.begin(), p.off.end());
       right.push_back(p.slope.x());
       up.push_back(p.slope.y());
     }
@@ -153,7 +147,6 @@ ViewEvidence view_evidence(const Image& image, const Labels& labels, const Work&
   if (out.judged == 0) return out;
   out.shaded = static_cast<double>(shaded) / out.judged;
   out.light = {median(std::move(right)), median(std::move(up))};
-  out.shading = median(std::move(off));
   return out;
 }
 
@@ -186,7 +179,6 @@ void set_view(Profiles& profiles, View view, const ViewEvidence& evidence) {
   profiles.view = view;
   if (view != View::Surface) return;
   profiles.light = evidence.light;
-  profiles.shading = evidence.shading;
   for (Profile& p : profiles.profiles) p.whole = std::max(p.area, whole_silhouette(p.contour));
 }
 

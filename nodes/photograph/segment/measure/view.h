@@ -22,7 +22,6 @@ struct ViewEvidence {
   int judged = 0;             // particles large enough to tell
   double shaded = 0;          // share of them that are shaded like stones
   Vec2 light = Vec2::Zero();  // median slope of the logarithm of luminance, per radius, right and upwards
-  double shading = 0;         // as Profiles::shading, of the judged particles
   std::array<ShadingCount, 4> halves = {};  // of the picture: left, right, upper, lower
 };
 

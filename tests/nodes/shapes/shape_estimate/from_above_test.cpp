@@ -78,7 +78,7 @@ TEST(LayFlat, ShortAxesPointUpWithATilt) {
   p.shape.assign(kCount, 0);
   p.position.assign(kCount, Vec3::Zero());
   p.orientation.assign(kCount, Quat::Identity());
-  packing::lay_flat(p, shapes, 500, 3);
+  packing::lay_flat(p, shapes, 500, {}, 3);
   for (int i = 0; i < 500; ++i) EXPECT_EQ(p.orientation[i].coeffs(), Quat::Identity().coeffs());
   double square = 0, up = 0;
   Vec2 azimuth = Vec2::Zero();
