@@ -71,7 +71,8 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
     : meshes_(meshes),
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
-      top_(static_cast<float>(meshes.largest(particles))) {
+      top_(static_cast<float>(meshes.largest(particles))),
+      fills_(!rest.covered) {
   require_few(particles, picture, margin);
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
@@ -85,7 +86,10 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   const Vec3& box = particles.box;
   const Vec3 at = particles.position[particle] - origin_;
   const Mat3 turn = particles.orientation[particle].normalized().toRotationMatrix();
-  const double z = at.z() - std::ceil(at.z() / box.z()) * box.z();
+  const double below = at.z() - std::ceil(at.z() / box.z()) * box.z();
+  std::vector<double> heights{below};
+  const double radius = meshes_.radius[particles.shape[particle]] * particles.scale[particle];
+  if (fills_ && below + box.z() <= radius) heights.push_back(below + box.z());
   const int x0 = round_up((-margin - at.x()) / box.x());
   const int y0 = round_up((-margin - at.y()) / box.y());
   const int x1 = round_down((picture.x() + margin - at.x()) / box.x());
@@ -93,14 +97,15 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   carving::RayScene::Instance instance;
   instance.mesh = particles.shape[particle];
   instance.linear = (turn * particles.scale[particle]).cast<float>();
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x) {
-      const Vec3 center(at.x() + x * box.x(), at.y() + y * box.y(), z);
-      instance.offset = center.cast<float>();
-      instances.push_back(instance);
-      stones_.push_back({particle, instance.mesh, turn.cast<float>(),
-                         (particles.position[particle] - center).cast<float>()});
-    }
+  for (const double z : heights)
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
+        const Vec3 center(at.x() + x * box.x(), at.y() + y * box.y(), z);
+        instance.offset = center.cast<float>();
+        instances.push_back(instance);
+        stones_.push_back({particle, instance.mesh, turn.cast<float>(),
+                           (particles.position[particle] - center).cast<float>()});
+      }
 }
 
 void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const Vec2& picture,
@@ -116,9 +121,17 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
     options.level = *options.soil;
   }
   const std::vector<carving::RayScene::Instance> before = instances;
+  if (fills_) options.top = 0;
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
-  for (std::size_t i = 0; i < stones_.size(); ++i)
-    stones_[i].to_packing += before[i].offset - instances[i].offset;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < stones_.size(); ++i) {
+    if (instances[i].offset.z() > 0) continue;
+    stones_[kept] = stones_[i];
+    stones_[kept].to_packing += before[i].offset - instances[i].offset;
+    instances[kept++] = instances[i];
+  }
+  stones_.resize(kept);
+  instances.resize(kept);
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

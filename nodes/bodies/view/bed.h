@@ -55,7 +55,8 @@ struct BedPoint {
 // Positions are in mm from the picture's lower left corner; z is the height above the cut. Every particle
 // that is no void lies in the bed with the one copy along z whose center is at most one period below the cut,
 // and with all copies along x and y whose centers are in the picture or in a margin around it. Then the
-// stones near the cut settle, each copy by itself.
+// stones near the cut settle, each copy by itself. Loose stones whose centers are
+// above the cut by up to their radius fall into the holes that it left, or are taken away.
 class Bed {
  public:
   // `picture`: width and height, mm; `margin`: mm. The meshes must outlive the bed. Throws Error
@@ -74,6 +75,7 @@ class Bed {
   // The point's place in the packing, mm: in the particle's own copy, or, in the soil, anywhere in space.
   Vec3f in_packing(const BedPoint&) const;
   double depth() const { return depth_; }  // mm, one period
+  float largest() const { return top_; }   // mm, diameter of the largest stone's sphere
 
  private:
   struct Stone {
@@ -91,6 +93,7 @@ class Bed {
   Vec3 origin_;  // of positions, in the packing
   double depth_;
   float top_ = 0;  // above all stones: the largest one's diameter
+  bool fills_;     // whether stones from above the cut fall into holes
   std::vector<Stone> stones_;
   std::unique_ptr<carving::RayScene> scene_;
 };

@@ -74,14 +74,14 @@ class SlopesOfStones {
     for (std::size_t s = 0; s + 1 < samples.first.size(); ++s) add_stone(s, towards);
   }
 
-  double median_with(float share) const {
+  double median_with(float share, float power) const {
     std::vector<double> slopes;
     for (std::size_t s = 0; s + 1 < samples_.first.size(); ++s) {
       double slope = 0;
       for (std::size_t k = samples_.first[s]; k < samples_.first[s + 1]; ++k) {
         const std::size_t i = samples_.pixels[k];
-        const float light = luminance_of(p_.color[i]) * light_of_pixel(p_, i, share);
-        slope += weight_[k] * std::log(kDarkest + light);
+        slope += weight_[k] * std::log(kDarkest + luminance_of(p_.color[i]));
+        slope += weight_[k] * power * std::log(kDarkest + light_of_pixel(p_, i, share));
       }
       slopes.push_back(slope);
     }
@@ -112,27 +112,24 @@ class SlopesOfStones {
 };
 
 // More sun makes slopes steeper. Between an overcast sky and a clear one.
-float sun_share(const UnlitPixels& p, const StoneSamples& samples, const Vec2& slope) {
+float sun_share(const SlopesOfStones& slopes, double wanted, float power) {
   constexpr int kHalvings = 7;
-  const double wanted = slope.norm();
-  const SlopesOfStones slopes(p, samples, slope / wanted);
   float low = 0.05F;
   float high = 0.85F;
   for (int k = 0; k < kHalvings; ++k) {
     const float middle = (low + high) / 2;
-    (slopes.median_with(middle) > wanted ? high : low) = middle;
+    (slopes.median_with(middle, power) > wanted ? high : low) = middle;
   }
   return (low + high) / 2;
 }
 
-// Light with shadows that are deeper by a power.
+// Light with shadows that are deeper by a power, or lighter below 1.
 float shadowed(float light, float power) { return light < 1 ? std::pow(light, power) : light; }
 
 // The power of the light in shadows at which the places between loose stones are as dark, on average, as in
 // the photograph, whose binder they are. Light that is reflected often has a color and a strength that
 // sixteen rays don't know.
 float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light) {
-  constexpr float kMost = 2;
   constexpr int kHalvings = 12;
   const float wanted = p.between.mean();
   const auto darkness = [&](float power) {
@@ -145,9 +142,8 @@ float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light) {
     }
     return pixels == 0 ? wanted : static_cast<float>(sum / pixels);
   };
-  if (darkness(1) <= wanted) return 1;
-  float low = 1;
-  float high = kMost;
+  float low = 0.4F;
+  float high = 2;
   for (int k = 0; k < kHalvings; ++k) {
     const float middle = (low + high) / 2;
     (darkness(middle) > wanted ? low : high) = middle;
@@ -175,30 +171,41 @@ void use_usual_light(const UnlitPixels& p, std::vector<float>& light) {
 }
 
 // The factor that makes stones as bright as in the photograph: the mean by area of the medians of stones.
-float brightness_for(const std::vector<Vec3f>& color, const StoneSamples& samples, float wanted) {
-  const SampledValues v = sampled(samples, [&](std::size_t i) { return color[i].mean(); });
+float brightness_for(const UnlitPixels& p, const std::vector<float>& light, const StoneSamples& samples,
+                     float wanted) {
+  const SampledValues v = sampled(samples, [&](std::size_t i) { return light[i] * p.color[i].mean(); });
   const double sum = std::accumulate(v.median.begin(), v.median.end(), 0.0);
   return sum > 0 ? static_cast<float>(wanted * v.median.size() / sum) : 1;
 }
 
 }  // namespace
 
-std::vector<Vec3f> exposed(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
+std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
   const StoneSamples samples(p);
   float share = static_cast<float>(options.light.share);
-  if (options.slope && !samples.pixels.empty()) share = sun_share(p, samples, *options.slope);
-  work.check();
+  float power = 1;
   std::vector<float> light(p.stone.size());
-  for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);
-  use_usual_light(p, light);
-  work.check();
-  const float depth = options.loose ? depth_of_shadows(p, light) : 1;
-  std::vector<Vec3f> out = p.color;
-  for (std::size_t i = 0; i < out.size(); ++i) out[i] *= shadowed(light[i], depth);
-  const float brightness = options.brightness ? brightness_for(out, samples, *options.brightness) : 1;
-  for (std::size_t i = 0; i < out.size(); ++i)  // soil has the color that was measured
-    out[i] = ((p.stone[i] < 0 ? 1 : brightness) * out[i]).cwiseMax(0.0F).cwiseMin(1.0F);
-  return out;
+  const auto light_up = [&] {
+    work.check();
+    for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);
+    use_usual_light(p, light);
+    if (options.loose) power = depth_of_shadows(p, light);
+  };
+  if (options.slope && !samples.pixels.empty()) {
+    constexpr int kRounds = 3;  // shadows depend on the sun, and slopes on how deep shadows are
+    const SlopesOfStones slopes(p, samples, options.slope->normalized());
+    for (int k = 0; k < kRounds; ++k) {
+      share = sun_share(slopes, options.slope->norm(), power);
+      light_up();
+    }
+  } else {
+    light_up();
+  }
+  for (float& v : light) v = shadowed(v, power);
+  const float brightness = options.brightness ? brightness_for(p, light, samples, *options.brightness) : 1;
+  for (std::size_t i = 0; i < light.size(); ++i)  // soil has the color that was measured
+    if (p.stone[i] >= 0) light[i] *= brightness;
+  return light;
 }
 
 }  // namespace terrazzo::view

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <opencv2/imgproc.hpp>
 
 #include "nodes/bodies/view/exposure.h"
 #include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
 #include "runtime/random.h"
 
 namespace terrazzo::view {
@@ -13,7 +15,7 @@ namespace {
 
 constexpr std::uint64_t kSkyStream = 0x736b7921;
 constexpr std::size_t kRows = 4;  // of a range for one thread
-constexpr int kSkyReach = 2;      // pixels over which the sky is smoothed
+constexpr int kSmooth = 2;        // pixels over which light is smoothed
 
 }  // namespace
 
@@ -40,8 +42,9 @@ void Painter::each_row(const Work& work, const std::function<void(int)>& use) co
 
 void Painter::paint(Vec3f* pixels, const Work& work) {
   const float deepest = -static_cast<float>(bed_.depth());
-  ground_ = options_.area_fraction ? ground_level(work.part(0, 0.05)) : deepest;
-  soil_ = options_.loose ? deepest : ground_;
+  const float level = options_.area_fraction ? ground_level(work.part(0, 0.05)) : deepest;
+  ground_ = options_.loose ? level : deepest;
+  soil_ = options_.loose ? deepest : level;
   if (options_.shaded)
     paint_lit(pixels, work);
   else
@@ -59,26 +62,87 @@ void Painter::paint_flat(Vec3f* pixels, const Work& work) {
 }
 
 void Painter::paint_lit(Vec3f* pixels, const Work& work) {
-  each_row(work.part(0.05, 0.8), [&](int row) {
+  if (soil_ > -bed_.depth()) raise_soil(work.part(0.05, 0.1));
+  each_row(work.part(0.1, 0.8), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) light_pixel(x, row);
   });
-  std::vector<float> open(sky_.size());
-  each_row(work.part(0.8, 0.85), [&](int row) {
-    for (int x = 0; x < options_.pixels_x; ++x) open[at(x, row)] = smooth_sky(x, row);
-  });
-  color_ = exposed({stone_, height_, color_, sun_, open, ground_, options_.pixels_x, albedo_,
-                    colors_.at(Vec3f::Zero(), -1, false)},
-                   options_, work);
-  each_row(work.part(0.85, 1), [&](int row) {
+  const std::vector<float> sun = smooth(sun_, work.part(0.8, 0.82));
+  const std::vector<float> sky = smooth(sky_, work.part(0.82, 0.85));
+  const std::vector<float> light = exposure({stone_, height_, color_, sun, sky, ground_, options_.pixels_x,
+                                             albedo_, colors_.at(Vec3f::Zero(), -1, false)},
+                                            options_, work);
+  show(pixels, light, work.part(0.85, 1));
+}
+
+// The camera blurs outlines and light. Detail was measured in what it had blurred.
+void Painter::show(Vec3f* pixels, const std::vector<float>& light, const Work& work) {
+  constexpr float kBlack = 0.01F;  // below it, detail has no ratio
+  std::vector<Vec3f> detail(color_.size());
+  for (std::size_t i = 0; i < color_.size(); ++i) {
+    const Vec3f flat = flat_color(i);
+    detail[i] = (color_[i].array() + kBlack) / (flat.array() + kBlack);
+    color_[i] = light[i] * flat;
+  }
+  cv::Mat shown(options_.pixels_y, options_.pixels_x, CV_32FC3, pixels->data());
+  each_row(work, [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
+  // Antialiasing has the deviation of a pixel's square already.
+  const double more = options_.softness * options_.softness - 1.0 / 12;
+  if (more > 0) cv::GaussianBlur(shown, shown, {0, 0}, std::sqrt(more), 0, cv::BORDER_REFLECT);
+  for (std::size_t i = 0; i < color_.size(); ++i)
+    pixels[i] = pixels[i].cwiseProduct(detail[i]).cwiseMax(0.0F).cwiseMin(1.0F);
+}
+
+Vec3f Painter::flat_color(std::size_t pixel) const {
+  const std::int32_t stone = stone_[pixel];
+  return colors_.at(Vec3f::Zero(), stone < 0 ? -1 : bed_.particle(stone), false);
+}
+
+// Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
+// stones. So it creeps over their edges here and there.
+void Painter::raise_soil(const Work& work) {
+  constexpr float kGrain = 1.5F;   // pixels, standard deviation of the height
+  constexpr float kBroad = 0.05F;  // the same of hills, in diameters of the largest stone
+  constexpr double kWide = 0.2;    // deviation of their filter, in these diameters
+  constexpr float kMost = 2;       // deviations
+  cv::Mat bright(options_.pixels_y, options_.pixels_x, CV_32F);
+  each_row(work, [&](int row) {
+    for (int x = 0; x < options_.pixels_x; ++x) {
+      BedPoint soil;
+      soil.at = Vec3f(across(x + 0.5F), upwards(row + 0.5F), soil_);
+      bright.at<float>(row, x) = luminance_of(colors_.at(bed_.in_packing(soil), -1, true));
+    }
+  });
+  const auto standardized = [&](const cv::Mat& values) {
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(values, mean, deviation);
+    cv::Mat out = (values - mean[0]) / std::max(1e-9, deviation[0]);
+    return cv::Mat(cv::min(cv::max(out, -kMost), kMost));
+  };
+  const double pixel = options_.pixel_size;
+  cv::Mat wide;
+  cv::GaussianBlur(bright, wide, {0, 0}, std::max(1.0, kWide * bed_.largest() / pixel), 0,
+                   cv::BORDER_REFLECT);
+  const cv::Mat relief =
+      standardized(bright) * (kGrain * pixel) + standardized(wide) * (kBroad * bed_.largest());
+  relief_.assign(relief.begin<float>(), relief.end<float>());
+}
+
+// Between the centers of pixels, that of the nearest.
+float Painter::soil_at(float x, float row) const {
+  if (relief_.empty()) return soil_;
+  const int u = std::clamp(round_down(x), 0, options_.pixels_x - 1);
+  const int v = std::clamp(round_down(row), 0, options_.pixels_y - 1);
+  return soil_ + relief_[at(u, v)];
 }
 
 BedPoint Painter::seen(float x, float row) const {
   BedPoint point;
-  if (bed_.below(across(x), upwards(row), point) && point.at.z() > soil_) return point;
+  const float ground = soil_at(x, row);
+  if (bed_.below(across(x), upwards(row), point) && point.at.z() > ground) return point;
   BedPoint soil;
-  soil.at = Vec3f(across(x), upwards(row), soil_);
+  soil.at = Vec3f(across(x), upwards(row), ground);
   return soil;
 }
 
@@ -116,21 +180,30 @@ BedPoint Painter::color_pixel(int x, int row) {
 void Painter::light_pixel(int x, int row) {
   const std::size_t i = at(x, row);
   const BedPoint point = color_pixel(x, row);
-  sun_[i] = shader_.sun(point);
-  sky_[i] = shader_.sky(point, Random(options_.seed, kSkyStream, first_ + i).bits());
+  Random random(options_.seed, kSkyStream, first_ + i);
+  sky_[i] = shader_.sky(point, random.bits());
+  sun_[i] = shader_.sun(point, random.bits());
 }
 
-// Sixteen rays leave noise, which neighbors on the same stone average out.
-float Painter::smooth_sky(int x, int row) const {
-  const int last_x = std::min(options_.pixels_x - 1, x + kSkyReach);
-  const int last_row = std::min(options_.pixels_y - 1, row + kSkyReach);
+// Few rays leave noise, which neighbors on the same stone average out.
+std::vector<float> Painter::smooth(const std::vector<float>& values, const Work& work) const {
+  std::vector<float> out(values.size());
+  each_row(work, [&](int row) {
+    for (int x = 0; x < options_.pixels_x; ++x) out[at(x, row)] = mean_near(values, x, row);
+  });
+  return out;
+}
+
+float Painter::mean_near(const std::vector<float>& values, int x, int row) const {
+  const int last_x = std::min(options_.pixels_x - 1, x + kSmooth);
+  const int last_row = std::min(options_.pixels_y - 1, row + kSmooth);
   const std::int32_t stone = stone_[at(x, row)];
   float sum = 0;
   int count = 0;
-  for (int v = std::max(0, row - kSkyReach); v <= last_row; ++v)
-    for (int u = std::max(0, x - kSkyReach); u <= last_x; ++u) {
+  for (int v = std::max(0, row - kSmooth); v <= last_row; ++v)
+    for (int u = std::max(0, x - kSmooth); u <= last_x; ++u) {
       if (stone_[at(u, v)] != stone) continue;
-      sum += sky_[at(u, v)];
+      sum += values[at(u, v)];
       ++count;
     }
   return sum / count;

@@ -42,7 +42,12 @@ class Painter {
   void paint_lit(Vec3f* pixels, const Work&);
   BedPoint color_pixel(int x, int row);
   void light_pixel(int x, int row);
-  float smooth_sky(int x, int row) const;
+  void raise_soil(const Work&);
+  float soil_at(float x, float row) const;
+  std::vector<float> smooth(const std::vector<float>&, const Work&) const;
+  float mean_near(const std::vector<float>&, int x, int row) const;
+  void show(Vec3f* pixels, const std::vector<float>& light, const Work&);
+  Vec3f flat_color(std::size_t pixel) const;
   Vec3f color_near(int x, int row, int stone) const;
   Vec3f antialiased(int x, int row) const;
 
@@ -52,11 +57,12 @@ class Painter {
   const SurfaceOptions& options_;
   float albedo_;
   std::uint64_t first_;              // number of the first pixel, of all pictures
-  float soil_ = 0;                   // height, mm
-  float ground_ = 0;                 // height of the soil, or of the shadows between loose stones, mm
+  float soil_ = 0;                   // mean height, mm
+  std::vector<float> relief_;        // of the soil at each pixel's center, mm; empty: level
+  float ground_ = 0;                 // height of the shadows between loose stones, mm
   std::vector<std::int32_t> stone_;  // at the center of each pixel
   std::vector<float> height_;        // there, mm
-  std::vector<Vec3f> color_;         // there, first without and then with light
+  std::vector<Vec3f> color_;         // there, without light
   std::vector<float> sun_, sky_;     // light there
 };
 

@@ -22,9 +22,8 @@ constexpr double kMostCells = 4 << 20;     // of the map: 16 MiB, finer than a s
 constexpr double kMostCovered = 32 << 20;  // cells under all stones that may move, whose ceilings are kept
 constexpr double kCoarser = 1.1;           // cells grow by this until they are few enough
 constexpr double kMostExtent = 1e15;       // mm, as for rays
-constexpr double kFarthest = 1.5;          // diameters that a stone rolls; friction stops real ones too
 constexpr double kFirstStep = 1.0 / 8;     // diameters; longer ones jump over ridges
-constexpr int kMostSteps = 64;             // enough to roll 1.5 diameters and to find the lowest cell
+constexpr int kMostSteps = 96;             // enough to roll kFarthest and to find the lowest cell
 constexpr int kMostSamples = 48;           // per side of a footprint, for a first look
 constexpr std::size_t kReportEvery = 256;  // stones
 
@@ -188,7 +187,7 @@ void Settling::move(const Footprint& f, carving::RayScene::Instance& stone) {
   Footprint moved = f;
   moved.cells.x += place.dx;
   moved.cells.y += place.dy;
-  lay(ground_, grid_, moved, place.z);
+  if (!options_.top || place.z <= *options_.top) lay(ground_, grid_, moved, place.z);
   const Vec2 shift = grid_.cell * Vec2(place.dx, place.dy);
   stone.offset.head<2>() += shift.cast<float>();
   stone.offset.z() = place.z;

@@ -11,8 +11,11 @@
 
 namespace terrazzo::view {
 
-// The share of its height that a stone on soil lies in it: stones of banks and beds are about a third buried.
-inline constexpr float kBuried = 0.35f;
+// The share of its height that a stone on soil lies in it: stones of banks and beds are about half buried.
+inline constexpr float kBuried = 0.5f;
+
+// Diameters that a stone may roll. Friction stops real ones too.
+inline constexpr float kFarthest = 6;
 
 struct SettleOptions {
   Vec2 picture = Vec2::Zero();  // width and height, mm; its lower left corner is the origin
@@ -21,6 +24,9 @@ struct SettleOptions {
   float level = 0;              // mm; stones whose centers are below it stay
   float deepest = 0;            // mm; no stone falls lower
   std::optional<float> soil;    // mm, height of level soil; nothing: there is none
+  // mm; a stone whose center comes to rest above it carries no other: the caller takes it away. Nothing:
+  // none.
+  std::optional<float> top;
 };
 
 // The height that stones exceed in a share of the picture, 0 to 1, in mm; at least `deepest`. Of the options,
@@ -31,10 +37,10 @@ float level_of_share(const std::vector<carving::RayScene::Triangles>&,
 
 // Changes the offsets of the instances, which are rotations times a scale. From the lowest center to the
 // highest, each stone falls straight down onto what has settled before, or into soil by kBuried, and rolls
-// downhill up to 1.5 of its diameters. It keeps its orientation and never rises. Stones stay that have no
-// whole place in the picture and one largest diameter around it. Stones that did not overlap do so at most by
-// about a cell afterwards. The result doesn't depend on threads. Throws Error "bad-number" if the picture or
-// the largest stone exceeds 1e15 mm.
+// downhill up to kFarthest of its diameters. It keeps its orientation and never rises. Stones stay that have
+// no whole place in the picture and one largest diameter around it. Stones that did not overlap do so at most
+// by about a cell afterwards. The result doesn't depend on threads. Throws Error "bad-number" if the picture
+// or the largest stone exceeds 1e15 mm.
 void settle(const std::vector<carving::RayScene::Triangles>&, std::vector<carving::RayScene::Instance>&,
             const SettleOptions&, const Work& = {});
 

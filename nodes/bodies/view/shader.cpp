@@ -6,9 +6,10 @@
 namespace terrazzo::view {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr float kDegree = std::numbers::pi_v<float> / 180;
 constexpr int kRing = 4;                                   // places on each of two rings of the sun's disc
-constexpr double kRings[] = {1.5 * kDegree, 4 * kDegree};  // from its middle
+constexpr float kRings[] = {2.5F * kDegree, 7 * kDegree};  // from its middle
+constexpr int kSuns = 2 * kRing;
 constexpr int kSkyRays = 16;
 
 // Two unit vectors across a unit vector (Duff et al. 2017).
@@ -41,28 +42,27 @@ Shader::Shader(const Bed& bed, const Light& light, double reach, double lift)
     : bed_(bed), reach_(static_cast<float>(reach)), lift_(static_cast<float>(lift)) {
   const double azimuth = light.azimuth * kDegree;
   const double elevation = light.elevation * kDegree;
-  const Vec3 middle(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
-                    std::sin(elevation));
-  const Across across(middle.cast<float>());
-  for (std::size_t k = 0; k < suns_.size(); ++k) {
-    const double turn = (k + 0.5 * (k / kRing)) * 2 * std::numbers::pi / kRing;
-    const Vec3 side =
-        std::cos(turn) * across.first.cast<double>() + std::sin(turn) * across.second.cast<double>();
-    suns_[k] = (middle + std::tan(kRings[k / kRing]) * side).normalized().cast<float>();
-  }
-  level_ = static_cast<float>(std::sin(elevation));
+  middle_ = Vec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
+                 std::sin(elevation))
+                .cast<float>();
+  level_ = middle_.z();
 }
 
-float Shader::sun(const BedPoint& point) const {
+float Shader::sun(const BedPoint& point, std::uint64_t random) const {
+  const Across across(middle_);
+  const float start_turn = upper_half(random);
   float sum = 0;
-  for (const Vec3f& direction : suns_) {
+  for (int k = 0; k < kSuns; ++k) {
+    const float turn = (start_turn + k + 0.5F * (k / kRing)) * 2 * std::numbers::pi_v<float> / kRing;
+    const Vec3f side = std::cos(turn) * across.first + std::sin(turn) * across.second;
+    const Vec3f direction = (middle_ + std::tan(kRings[k / kRing]) * side).normalized();
     const float cosine = point.normal.dot(direction);
     if (cosine <= 0) continue;
     // A smooth mesh is lit a little beyond the facets that face the sun.
     if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction)) continue;
     sum += cosine;
   }
-  return sum / (suns_.size() * level_);
+  return sum / (kSuns * level_);
 }
 
 float Shader::sky(const BedPoint& point, std::uint64_t random) const {

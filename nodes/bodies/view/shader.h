@@ -16,9 +16,9 @@ class Shader {
   // must outlive the shader.
   Shader(const Bed&, const Light&, double reach, double lift);
 
-  // Of the sun: Lambert's law and the shadows of stones, soft because the sun is eight places on a disc of 10
-  // degrees, as in slight haze.
-  float sun(const BedPoint&) const;
+  // Of the sun: Lambert's law and the shadows of stones, soft because the sun is eight places on a disc of 16
+  // degrees, as in haze, turned by the random number.
+  float sun(const BedPoint&, std::uint64_t random) const;
   // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
   // stratified directions, shifted by the random number.
   float sky(const BedPoint&, std::uint64_t random) const;
@@ -29,7 +29,7 @@ class Shader {
   const Bed& bed_;
   float reach_, lift_;
   float level_ = 1;  // what each place on the sun gives level ground
-  std::array<Vec3f, 8> suns_;
+  Vec3f middle_;     // of the sun
 };
 
 }  // namespace terrazzo::view

@@ -31,7 +31,8 @@ struct SurfaceOptions {
   std::optional<float> brightness;
   // Profiles::light of the photograph, not 0; nothing: the sun has the share that `light` says.
   std::optional<Vec2> slope;
-  bool shaded = true;  // whether light falls on the stones; otherwise they have flat colors
+  double softness = 0;  // standard deviation of the camera's blur, pixels
+  bool shaded = true;   // whether light falls on the stones; otherwise they have flat colors
   Light light;
   std::uint64_t seed = 1;
 };
