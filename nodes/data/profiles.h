@@ -57,8 +57,10 @@ struct Profiles {
 };
 
 // Whether the profiles show stones that lie on each other, without soil between them: of a surface whose gaps
-// are shadows, darker than `kShadow` of the stones.
+// are shadows, darker than `kShadow` of the stones, or that stones cover by `kLooseCover`: those in soil
+// leave more of it free, since none lie on others.
 inline constexpr float kShadow = 0.6F;
+inline constexpr double kLooseCover = 0.8;
 bool shows_loose_stones(const Profiles&);
 
 // "section", "surface" or "filling".

@@ -96,7 +96,8 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
     if (slope->norm() > 0) options.slope = slope;
   }
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));
-  if (const Detail* detail = c.optional<Detail>("detail"))
+  // Outlines of loose stones are where their shadows begin, which says nothing of the camera.
+  if (const Detail* detail = c.optional<Detail>("detail"); detail && !options.loose)
     options.softness = detail->softness * detail->pixel_size / layout.pixel_size;
   options.shaded = c.boolean("shaded");
   options.seed = c.seed();
@@ -119,12 +120,12 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   output_result(c, std::move(result));
 }
 
-// A photograph of stones from outside shows their form as broad light and shade, which this view makes
-// itself. Only their hue is their own.
+// A photograph of stones from outside shows their form and their shadows as broad light and shade, which this
+// view makes itself. Only their hue is their own.
 Detail without_light(Detail detail) {
-  for (std::size_t k = 1; k < detail.phases.size(); ++k) {
-    detail.phases[k].slope = 0;
-    for (Vec3f& offset : detail.phases[k].broad) offset -= Vec3f::Constant(offset.mean());
+  for (Detail::Phase& phase : detail.phases) {
+    phase.slope = 0;
+    for (Vec3f& offset : phase.broad) offset -= Vec3f::Constant(offset.mean());
   }
   return detail;
 }
@@ -199,7 +200,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 1);
+  NodeType type("View", 2);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

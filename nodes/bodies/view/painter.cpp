@@ -102,7 +102,7 @@ Vec3f Painter::flat_color(std::size_t pixel) const {
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
 // stones. So it creeps over their edges here and there.
 void Painter::raise_soil(const Work& work) {
-  constexpr float kGrain = 1.5F;   // pixels, standard deviation of the height
+  constexpr float kGrain = 0.7F;   // pixels, standard deviation of the height
   constexpr float kBroad = 0.05F;  // the same of hills, in diameters of the largest stone
   constexpr double kWide = 0.2;    // deviation of their filter, in these diameters
   constexpr float kMost = 2;       // deviations
@@ -129,12 +129,19 @@ void Painter::raise_soil(const Work& work) {
   relief_.assign(relief.begin<float>(), relief.end<float>());
 }
 
-// Between the centers of pixels, that of the nearest.
+// Linear between the centers of pixels.
 float Painter::soil_at(float x, float row) const {
   if (relief_.empty()) return soil_;
-  const int u = std::clamp(round_down(x), 0, options_.pixels_x - 1);
-  const int v = std::clamp(round_down(row), 0, options_.pixels_y - 1);
-  return soil_ + relief_[at(u, v)];
+  const float u = std::clamp(x - 0.5F, 0.0F, options_.pixels_x - 1.0F);
+  const float v = std::clamp(row - 0.5F, 0.0F, options_.pixels_y - 1.0F);
+  const int left = std::min(round_down(u), options_.pixels_x - 1);
+  const int upper = std::min(round_down(v), options_.pixels_y - 1);
+  const int right = std::min(left + 1, options_.pixels_x - 1);
+  const int lower = std::min(upper + 1, options_.pixels_y - 1);
+  const auto between = [&](int line) {
+    return std::lerp(relief_[at(left, line)], relief_[at(right, line)], u - left);
+  };
+  return soil_ + std::lerp(between(upper), between(lower), v - upper);
 }
 
 BedPoint Painter::seen(float x, float row) const {

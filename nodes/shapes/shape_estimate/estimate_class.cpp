@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "nodes/common/geometry/mesh/mesh.h"
-#include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/fit.h"
@@ -64,14 +63,6 @@ const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const 
       .parameter("profiles");
 }
 
-// Balls have round outlines: the others are wrong.
-void keep_smoother_half(std::vector<Outline>& outlines) {
-  std::vector<double> relief;
-  for (const Outline& o : outlines) relief.push_back(relief_of(o));
-  const double limit = median(relief);
-  std::erase_if(outlines, [&](const Outline& o) { return relief_of(o) > limit; });
-}
-
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method,
               const CandidateOptions& options) {
   // The method that estimates all shapes together starts from several groups of profiles.
@@ -81,8 +72,10 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   const double crease = c.number("crease");
   Chosen out;
   auto candidates = candidates_of(profiles, options, c.work());
-  if (method.lies && usual_relief(candidates.outlines) < kRound) keep_smoother_half(candidates.outlines);
   out.usable = candidates.outlines.size();
+  // Where stones are round, other outlines are wrong.
+  if (method.lies && usual_relief(candidates.outlines) < kRound)
+    std::erase_if(candidates.outlines, [](const Outline& o) { return relief_of(o) >= kRound; });
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
     if (candidates.outlines.size() < each) too_few(profiles, candidates, each);

@@ -78,6 +78,27 @@ TEST(Colorize, FragmentsGiveTheirShareOfColors) {
             "bad-profile");
 }
 
+// Between loose stones: a hidden one, a small one as dark as the gaps, and fragments give no colors.
+TEST(Colorize, StonesInTheShadowGiveNoColors) {
+  Profiles seen;
+  seen.view = View::Surface;
+  seen.binder_color = Vec3f::Constant(0.1f);
+  seen.profiles = {profile(2, {1, 1, 0}), profile(3, {0.9f, 1, 0}), profile(2, {0, 1, 0}),
+                   profile(1, Vec3f::Constant(0.05f)), profile(4, Vec3f::Constant(0.04f))};
+  for (Profile& p : seen.profiles) p.whole = p.area;
+  seen.profiles[2].whole *= 3;
+  seen.fragments = {{{0, 0, 1}, seen.profiles[0].area}};
+  Particles p = particles(20000, 2);
+  colorize::colorize(p, seen, {ColorMode::Random, 7});
+  std::map<float, double> count;
+  for (const auto& c : p.color) ++count[c.x()];
+  ASSERT_EQ(count.size(), 3u);
+  for (const float red : {1.0f, 0.9f, 0.04f}) EXPECT_NEAR(count[red] / 20000, 1 / 3.0, 0.015) << red;
+  seen.profiles = {seen.profiles[2]};  // better than none
+  colorize::colorize(p, seen, {ColorMode::Random, 7});
+  EXPECT_EQ(p.color[0], Vec3f(0, 1, 0));
+}
+
 TEST(Colorize, BySizeDrawsFromTheParticlesClass) {
   Profiles seen;
   seen.classes = 2;

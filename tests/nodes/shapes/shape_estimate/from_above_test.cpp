@@ -111,7 +111,7 @@ TEST(FromAbove, ShapesOfASurfaceLieFlat) {
   const auto run =
       terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}}, {{"method", "auto"}});
   EXPECT_EQ(run.metrics.at("usable_profiles"), 25);
-  EXPECT_EQ(run.metrics.at("shapes"), 12);
+  EXPECT_EQ(run.metrics.at("shapes"), 24);
   EXPECT_NEAR(run.metrics.at("thickness"), 0.67, 0.05);
   for (const Shape& s : run.output<Shapes>("shapes").shapes) {
     Vec3 high = Vec3::Constant(-1e300), low = -high;

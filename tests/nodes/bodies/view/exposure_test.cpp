@@ -1,0 +1,117 @@
+// How bright lit stones are.
+#include "nodes/bodies/view/exposure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/data/indices.h"
+
+namespace terrazzo {
+namespace {
+using namespace view;
+
+// Balls in rows under a sun from the right, as gray as given; between them, places in the shadow or soil.
+struct Balls {
+  static constexpr int kAcross = 5, kCell = 40, kRadius = 18, kWidth = kAcross * kCell;
+  std::vector<std::int32_t> stone;
+  std::vector<float> height, sun, sky;
+  std::vector<Vec3f> color;
+
+  explicit Balls(bool loose) {
+    for (int row = 0; row < kWidth; ++row)
+      for (int x = 0; x < kWidth; ++x) add(x, row, loose);
+  }
+
+  void add(int x, int row, bool loose) {
+    const Vec3f light = Vec3f(1, 0, 1).normalized();
+    const float u = (x % kCell + 0.5F - kCell / 2.0F) / kRadius;
+    const float v = (row % kCell + 0.5F - kCell / 2.0F) / kRadius;
+    const int ball = row / kCell * kAcross + x / kCell;
+    const float z2 = 1 - u * u - v * v;
+    const bool on = z2 > 0;
+    const float z = on ? std::sqrt(z2) : -1;
+    stone.push_back(on ? ball : loose ? 99 : -1);
+    height.push_back(z);
+    sun.push_back(on ? std::max(0.0F, Vec3f(u, -v, z).dot(light)) / light.z() : 0.2F);
+    sky.push_back(on ? (1 + z) / 2 : 0.3F);
+    color.push_back(Vec3f::Constant(on ? 0.2F + 0.02F * ball : 0.3F));
+  }
+
+  UnlitPixels pixels(float between) const {
+    return {stone, height, color, sun, sky, -0.5F, kWidth, 0.2F, Vec3f::Constant(between)};
+  }
+};
+
+// The median slope of ln light across balls, per radius, to the right.
+double slope_of(const Balls& b, const std::vector<float>& light) {
+  double sum = 0;
+  for (int ball = 0; ball < Balls::kAcross * Balls::kAcross; ++ball) {
+    double xx = 0, xv = 0, x1 = 0, v1 = 0, n = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      if (b.stone[i] != ball) continue;
+      const double x = double(i % Balls::kWidth) / Balls::kRadius, v = std::log(light[i]);
+      xx += x * x;
+      xv += x * v;
+      x1 += x;
+      v1 += v;
+      ++n;
+    }
+    sum += (xv - x1 * v1 / n) / (xx - x1 * x1 / n);
+  }
+  return sum / (Balls::kAcross * Balls::kAcross);
+}
+
+TEST(Exposure, SlopesOfStonesAreThePhotographs) {
+  const Balls balls(false);
+  for (const double wanted : {0.2, 0.35, 0.5}) {
+    SurfaceOptions options;
+    options.slope = Vec2(wanted, 0);
+    const auto light = exposure(balls.pixels(0.1F), options, {});
+    EXPECT_NEAR(slope_of(balls, light), wanted, 0.02);
+  }
+}
+
+TEST(Exposure, StonesAreAsBrightAsInThePhotograph) {
+  const Balls balls(false);
+  SurfaceOptions options;
+  options.brightness = 0.4F;
+  const auto light = exposure(balls.pixels(0.1F), options, {});
+  double sum = 0;
+  for (int ball = 0; ball < 25; ++ball) {
+    std::vector<float> own;
+    for (std::size_t i = 0; i < light.size(); ++i)
+      if (balls.stone[i] == ball) own.push_back(light[i] * balls.color[i].x());
+    std::nth_element(own.begin(), own.begin() + own.size() / 2, own.end());
+    sum += own[own.size() / 2];
+  }
+  EXPECT_NEAR(sum / 25, 0.4, 0.004);
+  double soil = 0, pixels = 0;  // keeps the color that was measured
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    if (balls.stone[i] >= 0) continue;
+    soil += light[i];
+    ++pixels;
+  }
+  EXPECT_NEAR(soil / pixels, 1, 1e-3);
+}
+
+// Darker and lighter shadows than the light alone makes.
+TEST(Exposure, ShadowsBetweenLooseStonesAreAsDarkAsInThePhotograph) {
+  const Balls balls(true);
+  for (const float wanted : {0.06F, 0.1F, 0.16F}) {
+    SurfaceOptions options;
+    options.loose = true;
+    const auto light = exposure(balls.pixels(wanted), options, {});
+    double sum = 0, n = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) {
+      if (balls.stone[i] != 99) continue;
+      sum += light[i] * balls.color[i].x();
+      ++n;
+    }
+    EXPECT_NEAR(sum / n, wanted, 0.01) << wanted;
+  }
+}
+
+}  // namespace
+}  // namespace terrazzo
