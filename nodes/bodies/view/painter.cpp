@@ -42,9 +42,14 @@ void Painter::each_row(const Work& work, const std::function<void(int)>& use) co
 
 void Painter::paint(Vec3f* pixels, const Work& work) {
   const float deepest = -static_cast<float>(bed_.depth());
-  const float level = options_.area_fraction ? ground_level(work.part(0, 0.05)) : deepest;
+  const std::vector<float> heights = heights_of_stones(work.part(0, 0.05));
+  const float level = ground_level(heights);
   ground_ = options_.loose ? level : deepest;
   soil_ = options_.loose ? deepest : level;
+  if (soil_ > deepest) {
+    raise_soil(work.part(0.05, 0.1));
+    soil_ = ground_level(heights);
+  }
   if (options_.shaded)
     paint_lit(pixels, work);
   else
@@ -62,7 +67,6 @@ void Painter::paint_flat(Vec3f* pixels, const Work& work) {
 }
 
 void Painter::paint_lit(Vec3f* pixels, const Work& work) {
-  if (soil_ > -bed_.depth()) raise_soil(work.part(0.05, 0.1));
   each_row(work.part(0.1, 0.8), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) light_pixel(x, row);
   });
@@ -158,8 +162,8 @@ void Painter::hide_ground() {
     if (height_[i] <= ground_) stone_[i] = -1;
 }
 
-// A quantile of the heights at pixel centers.
-float Painter::ground_level(const Work& work) const {
+// At pixel centers.
+std::vector<float> Painter::heights_of_stones(const Work& work) const {
   const float deepest = -static_cast<float>(bed_.depth());
   std::vector<float> heights(stone_.size(), deepest);
   each_row(work, [&](int row) {
@@ -168,6 +172,14 @@ float Painter::ground_level(const Work& work) const {
       if (bed_.below(across(x + 0.5f), upwards(row + 0.5f), point))
         heights[at(x, row)] = std::max(deepest, point.at.z());
   });
+  return heights;
+}
+
+// A quantile of the heights above the soil's relief.
+float Painter::ground_level(std::vector<float> heights) const {
+  const float deepest = -static_cast<float>(bed_.depth());
+  if (!options_.area_fraction) return deepest;
+  for (std::size_t i = 0; i < relief_.size(); ++i) heights[i] -= relief_[i];
   const std::size_t covered = std::llround(*options_.area_fraction * heights.size());
   if (covered >= heights.size()) return deepest;
   const auto highest = heights.begin() + covered;

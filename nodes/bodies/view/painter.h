@@ -35,8 +35,9 @@ class Painter {
   // The stone above the soil at a place in pixels from the upper left corner, or the soil.
   BedPoint seen(float x, float row) const;
 
+  std::vector<float> heights_of_stones(const Work&) const;
   // The height below which lies the part of the picture that stones don't cover, mm.
-  float ground_level(const Work&) const;
+  float ground_level(std::vector<float> heights) const;
   void hide_ground();
   void paint_flat(Vec3f* pixels, const Work&);
   void paint_lit(Vec3f* pixels, const Work&);

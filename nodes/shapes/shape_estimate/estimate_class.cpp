@@ -131,7 +131,8 @@ Attempt attempt(const EstimateMethod& method, EstimateRequest request, bool any_
   for (int turn = 0; turn < (any_base ? n : 1); ++turn) {
     request.base = (first + turn) % n;
     Attempt made{method.run(request, work)};
-    made.self_intersections = self_intersections(made.estimate.mesh, work);
+    // Bodies that lie have one height above and one below each point of the plane.
+    if (!method.lies) made.self_intersections = self_intersections(made.estimate.mesh, work);
     if (mesh_volume(made.estimate.mesh) <= 0)
       made.self_intersections += static_cast<std::int64_t>(made.estimate.mesh.triangles.size());
     if (turn == 0 || made.self_intersections < best.self_intersections) best = std::move(made);

@@ -165,7 +165,9 @@ Estimate inflation(const EstimateRequest& request, const Work& work) {
   const bool round = request.relief < kRound;
   const Disc disc = disc_within(radii_of(o, axes, round, 32 * fine), 6 * fine);
   Eigen::VectorXd dome = stress_function(disc);
-  dome = (dome / dome.maxCoeff()).cwiseMax(0.0).cwiseSqrt();
+  // Thin triangles at sharp tips can give values below 0, which would let both sides meet.
+  constexpr double kLeast = 1e-3;
+  dome = (dome / dome.maxCoeff()).cwiseMax(kLeast).cwiseSqrt();
   const double relief = round ? 0 : request.relief;
   const auto side = [&](int k) {
     return heights_of(disc, dome, axes, relief, Random(request.seed, kFacetStream, 2 * request.index + k));

@@ -39,7 +39,8 @@ struct EstimateMethod {
   Estimate (*run)(const EstimateRequest&, const Work&);  // null: all shapes are estimated together (fit.h)
   std::size_t permutations = 0;  // number of bodies from the same profiles; 0: the number of profiles
   bool silhouettes = false;      // profiles are reproduced as silhouettes, not as sections
-  bool lies = false;             // the first profile lies in the x-y plane
+  bool lies =
+      false;  // the first profile lies in the x-y plane, with the upper side above and the lower below it
 };
 
 const std::vector<EstimateMethod>& estimate_methods();

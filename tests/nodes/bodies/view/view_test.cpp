@@ -113,7 +113,7 @@ TEST(View, HidesWhatLiesBelow) {
   EXPECT_EQ(std::get<double>(above.table.rows[0][1]), 0);
   EXPECT_EQ(above.stones, 1);
   // A cut between them takes the large one away; its copy lies one period deeper.
-  const SurfaceView below = show_surface(p, ball(), whole_box(p, 4), nullptr);
+  const SurfaceView below = show_surface(p, ball(), whole_box(p, 3.2), nullptr);
   ASSERT_EQ(below.profiles.profiles.size(), 2u);
   EXPECT_EQ(below.stones, 2);
 }
