@@ -59,9 +59,10 @@ SampledValues sampled(const StoneSamples& samples, const Value& value) {
   return out;
 }
 
-// Hidden parts of the sky return light from other stones, which are about half as bright as open ones.
+// Hidden parts of the sky return light that was reflected any number of times (Stewart and Langer 1997: what
+// they see is as bright as the place itself).
 float light_of_pixel(const UnlitPixels& p, std::size_t i, float share) {
-  return share * p.sun[i] + (1 - share) * p.sky[i] + p.albedo / 2 * (1 - p.sky[i]);
+  return share * p.sun[i] + (1 - share) * p.sky[i] / (1 - p.albedo * (1 - p.sky[i]));
 }
 
 // How fast the logarithm of luminance grows towards the light across a stone, per radius: Profiles::light, in
@@ -141,7 +142,7 @@ float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light) {
     }
     return pixels == 0 ? wanted : static_cast<float>(sum / pixels);
   };
-  float low = 0.4F;
+  float low = 0.6F;
   float high = 2;
   for (int k = 0; k < kHalvings; ++k) {
     const float middle = (low + high) / 2;

@@ -96,9 +96,6 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
     if (slope->norm() > 0) options.slope = slope;
   }
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));
-  // Outlines of loose stones are where their shadows begin, which says nothing of the camera.
-  if (const Detail* detail = c.optional<Detail>("detail"); detail && !options.loose)
-    options.softness = detail->softness * detail->pixel_size / layout.pixel_size;
   options.shaded = c.boolean("shaded");
   options.seed = c.seed();
   return options;

@@ -75,32 +75,11 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   const std::vector<float> light = exposure({stone_, height_, color_, sun, sky, ground_, options_.pixels_x,
                                              albedo_, colors_.at(Vec3f::Zero(), -1, false)},
                                             options_, work);
-  show(pixels, light, work.part(0.85, 1));
-}
-
-// The camera blurs outlines and light. Detail was measured in what it had blurred.
-void Painter::show(Vec3f* pixels, const std::vector<float>& light, const Work& work) {
-  constexpr float kBlack = 0.01F;  // below it, detail has no ratio
-  std::vector<Vec3f> detail(color_.size());
-  for (std::size_t i = 0; i < color_.size(); ++i) {
-    const Vec3f flat = flat_color(i);
-    detail[i] = (color_[i].array() + kBlack) / (flat.array() + kBlack);
-    color_[i] = light[i] * flat;
-  }
-  cv::Mat shown(options_.pixels_y, options_.pixels_x, CV_32FC3, pixels->data());
-  each_row(work, [&](int row) {
+  for (std::size_t i = 0; i < color_.size(); ++i)
+    color_[i] = (light[i] * color_[i]).cwiseMax(0.0F).cwiseMin(1.0F);
+  each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
-  // Antialiasing has the deviation of a pixel's square already.
-  const double more = options_.softness * options_.softness - 1.0 / 12;
-  if (more > 0) cv::GaussianBlur(shown, shown, {0, 0}, std::sqrt(more), 0, cv::BORDER_REFLECT);
-  for (std::size_t i = 0; i < color_.size(); ++i)
-    pixels[i] = pixels[i].cwiseProduct(detail[i]).cwiseMax(0.0F).cwiseMin(1.0F);
-}
-
-Vec3f Painter::flat_color(std::size_t pixel) const {
-  const std::int32_t stone = stone_[pixel];
-  return colors_.at(Vec3f::Zero(), stone < 0 ? -1 : bed_.particle(stone), false);
 }
 
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
@@ -128,8 +107,9 @@ void Painter::raise_soil(const Work& work) {
   cv::Mat wide;
   cv::GaussianBlur(bright, wide, {0, 0}, std::max(1.0, kWide * bed_.largest() / pixel), 0,
                    cv::BORDER_REFLECT);
-  const cv::Mat relief =
-      standardized(bright) * (kGrain * pixel) + standardized(wide) * (kBroad * bed_.largest());
+  const cv::Mat hills = standardized(wide) * (kBroad * bed_.largest());
+  hills_.assign(hills.begin<float>(), hills.end<float>());
+  const cv::Mat relief = standardized(bright) * (kGrain * pixel) + hills;
   relief_.assign(relief.begin<float>(), relief.end<float>());
 }
 
@@ -148,12 +128,25 @@ float Painter::soil_at(float x, float row) const {
   return soil_ + std::lerp(between(upper), between(lower), v - upper);
 }
 
+// Only hills are shaded: the photograph of the grains shows their light already.
+Vec3f Painter::soil_normal(float x, float row) const {
+  if (hills_.empty()) return Vec3f::UnitZ();
+  const int u = std::clamp(round_down(x), 0, options_.pixels_x - 1);
+  const int v = std::clamp(round_down(row), 0, options_.pixels_y - 1);
+  const int right = std::min(u + 1, options_.pixels_x - 1);
+  const int lower = std::min(v + 1, options_.pixels_y - 1);
+  const float pixel = static_cast<float>(options_.pixel_size);
+  return Vec3f(hills_[at(u, v)] - hills_[at(right, v)], hills_[at(u, lower)] - hills_[at(u, v)], pixel)
+      .normalized();
+}
+
 BedPoint Painter::seen(float x, float row) const {
   BedPoint point;
   const float ground = soil_at(x, row);
   if (bed_.below(across(x), upwards(row), point) && point.at.z() > ground) return point;
   BedPoint soil;
   soil.at = Vec3f(across(x), upwards(row), ground);
+  soil.normal = soil_normal(x, row);
   return soil;
 }
 

@@ -31,8 +31,7 @@ struct SurfaceOptions {
   std::optional<float> brightness;
   // Profiles::light of the photograph, not 0; nothing: the sun has the share that `light` says.
   std::optional<Vec2> slope;
-  double softness = 0;  // standard deviation of the camera's blur, pixels
-  bool shaded = true;   // whether light falls on the stones; otherwise they have flat colors
+  bool shaded = true;  // whether light falls on the stones; otherwise they have flat colors
   Light light;
   std::uint64_t seed = 1;
 };
