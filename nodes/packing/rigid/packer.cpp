@@ -92,7 +92,8 @@ void Packer::place() {
     radius[i] =
         std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
   place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
-  if (options_.lying) lay_flat(packing_, shapes_, population_.kept, options_.long_axes, options_.population.seed);
+  if (options_.lying)
+    lay_flat(packing_, shapes_, population_.kept, options_.long_axes, options_.population.seed);
   if (packing_.count() < kCached) return;
   index_.resize(packing_.count());
   std::iota(index_.begin(), index_.end(), 0);

@@ -15,7 +15,6 @@
 namespace terrazzo::segment {
 namespace {
 
-
 // Logarithm of the uneven light on a small copy, mean 0.
 cv::Mat uneven_light(const Image& image, int section, const std::int32_t* ids, const IgnoredPixels& ignored,
                      float binder, float particles) {

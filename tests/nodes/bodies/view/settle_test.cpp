@@ -158,7 +158,8 @@ TEST(Settle, NothingRisesOrOverlapsInAnyBed) {
       if (after[i].offset == before[i].offset) continue;
       ++moved;
       EXPECT_GE(z - r, (options.soil ? soil - kBuried * 2 * r : -20.0f) - 0.01f) << seed << " " << i;
-      EXPECT_LE((after[i].offset - before[i].offset).head<2>().norm(), kFarthest * (2 * r + 2 * kCell) + 1e-3f)
+      EXPECT_LE((after[i].offset - before[i].offset).head<2>().norm(),
+                kFarthest * (2 * r + 2 * kCell) + 1e-3f)
           << seed << " " << i;
     }
     EXPECT_TRUE(same_places(after, settled(before, options))) << seed;
