@@ -23,18 +23,24 @@ struct StoneSamples {
 
   explicit StoneSamples(const UnlitPixels& p) {
     constexpr std::size_t kMost = 200'000;
-    constexpr std::size_t kFewest = 30;  // pixels of a stone
-    std::vector<std::size_t> all;
+    constexpr std::size_t kFewest = 30;  // samples of a stone
+    const auto counts = [&](std::size_t i) { return p.stone[i] >= 0 && p.height[i] > p.ground; };
+    std::size_t all = 0;
+    std::int32_t last = -1;
+    for (std::size_t i = 0; i < p.stone.size(); ++i) {
+      if (!counts(i)) continue;
+      ++all;
+      last = std::max(last, p.stone[i]);
+    }
+    step = 1 + all / kMost;
+    std::vector<std::vector<std::size_t>> of_stone(last + 1);
+    std::size_t seen = 0;
     for (std::size_t i = 0; i < p.stone.size(); ++i)
-      if (p.stone[i] >= 0 && p.height[i] > p.ground) all.push_back(i);
-    std::stable_sort(all.begin(), all.end(),
-                     [&](std::size_t a, std::size_t b) { return p.stone[a] < p.stone[b]; });
-    step = 1 + all.size() / kMost;
+      if (counts(i) && seen++ % step == 0) of_stone[p.stone[i]].push_back(i);
     first.push_back(0);
-    for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
-      while (end < all.size() && p.stone[all[end]] == p.stone[all[begin]]) ++end;
-      if (end - begin < kFewest) continue;
-      for (std::size_t k = begin; k < end; k += step) pixels.push_back(all[k]);
+    for (const std::vector<std::size_t>& own : of_stone) {
+      if (own.size() < kFewest) continue;
+      pixels.insert(pixels.end(), own.begin(), own.end());
       first.push_back(pixels.size());
     }
   }
@@ -65,6 +71,9 @@ float light_of_pixel(const UnlitPixels& p, std::size_t i, float share) {
   return share * p.sun[i] + (1 - share) * p.sky[i] / (1 - p.albedo * (1 - p.sky[i]));
 }
 
+// Light with shadows that are deeper by a power, or lighter below 1.
+float shadowed(float light, float power) { return light < 1 ? std::pow(light, power) : light; }
+
 // How fast the logarithm of luminance grows towards the light across a stone, per radius: Profiles::light, in
 // the direction `towards`.
 class SlopesOfStones {
@@ -74,15 +83,20 @@ class SlopesOfStones {
     for (std::size_t s = 0; s + 1 < samples.first.size(); ++s) add_stone(s, towards);
   }
 
+  // As Segment measures it, with a share of the sun and shadows that are deeper by a power.
   double median_with(float share, float power) const {
+    std::vector<float> light;
+    for (const std::size_t i : samples_.pixels) light.push_back(light_of_pixel(p_, i, share));
+    const float usual = std::max(kDarkest, median(light));
+    for (std::size_t k = 0; k < light.size(); ++k)
+      light[k] = luminance_of(p_.color[samples_.pixels[k]]) * shadowed(light[k] / usual, power);
+    std::vector<float> sorted = light;
+    const float dark = 0.02F * at_rank(sorted, sorted.size() * 9 / 10) + kDarkest;
     std::vector<double> slopes;
     for (std::size_t s = 0; s + 1 < samples_.first.size(); ++s) {
       double slope = 0;
-      for (std::size_t k = samples_.first[s]; k < samples_.first[s + 1]; ++k) {
-        const std::size_t i = samples_.pixels[k];
-        slope += weight_[k] * std::log(kDarkest + luminance_of(p_.color[i]));
-        slope += weight_[k] * power * std::log(kDarkest + light_of_pixel(p_, i, share));
-      }
+      for (std::size_t k = samples_.first[s]; k < samples_.first[s + 1]; ++k)
+        slope += weight_[k] * std::log(dark + light[k]);
       slopes.push_back(slope);
     }
     return median(std::move(slopes));
@@ -112,35 +126,33 @@ class SlopesOfStones {
 };
 
 // More sun makes slopes steeper. Between an overcast sky and a clear one.
-float sun_share(const SlopesOfStones& slopes, double wanted, float power) {
+float sun_share(const SlopesOfStones& slopes, double wanted, float power, const Work& work) {
   constexpr int kHalvings = 7;
   float low = 0.05F;
   float high = 0.85F;
   for (int k = 0; k < kHalvings; ++k) {
+    work.check();
     const float middle = (low + high) / 2;
     (slopes.median_with(middle, power) > wanted ? high : low) = middle;
   }
   return (low + high) / 2;
 }
 
-// Light with shadows that are deeper by a power, or lighter below 1.
-float shadowed(float light, float power) { return light < 1 ? std::pow(light, power) : light; }
-
 // The power of the light in shadows at which the places between loose stones are as dark, on average, as in
 // the photograph, whose binder they are. Light that is reflected often has a color and a strength that
 // sixteen rays don't know.
-float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light) {
+float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light, const Work& work) {
   constexpr int kHalvings = 12;
   const float wanted = p.between.mean();
+  std::vector<std::size_t> shadows;
+  for (std::size_t i = 0; i < light.size(); ++i)
+    if (p.height[i] <= p.ground) shadows.push_back(i);
+  if (shadows.empty()) return 1;
   const auto darkness = [&](float power) {
+    work.check();
     double sum = 0;
-    std::size_t pixels = 0;
-    for (std::size_t i = 0; i < light.size(); ++i) {
-      if (p.height[i] > p.ground) continue;
-      sum += p.color[i].mean() * shadowed(light[i], power);
-      ++pixels;
-    }
-    return pixels == 0 ? wanted : static_cast<float>(sum / pixels);
+    for (const std::size_t i : shadows) sum += p.color[i].mean() * shadowed(light[i], power);
+    return sum / shadows.size();
   };
   float low = 0.6F;
   float high = 2;
@@ -189,13 +201,13 @@ std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options,
     work.check();
     for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);
     use_usual_light(p, light);
-    if (options.loose) power = depth_of_shadows(p, light);
+    if (options.loose) power = depth_of_shadows(p, light, work);
   };
   if (options.slope && !samples.pixels.empty()) {
     constexpr int kRounds = 3;  // shadows depend on the sun, and slopes on how deep shadows are
     const SlopesOfStones slopes(p, samples, options.slope->normalized());
     for (int k = 0; k < kRounds; ++k) {
-      share = sun_share(slopes, options.slope->norm(), power);
+      share = sun_share(slopes, options.slope->norm(), power, work);
       light_up();
     }
   } else {

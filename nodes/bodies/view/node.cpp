@@ -91,11 +91,9 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
   options.loose = photograph && shows_loose_stones(*photograph);
   if (photograph) options.brightness = mean_brightness(*photograph);
   std::optional<Vec2> slope;
-  if (photograph && photograph->view == View::Surface) {
-    slope = photograph->light;
-    if (slope->norm() > 0) options.slope = slope;
-  }
+  if (photograph && photograph->view == View::Surface) slope = photograph->light;
   options.light = light_of(slope, c.optional_number("azimuth"), c.optional_number("elevation"));
+  if (slope && slope->norm() > 0) options.slope = options.light.slope;  // from where the sun stands
   options.shaded = c.boolean("shaded");
   options.seed = c.seed();
   return options;
@@ -137,9 +135,15 @@ void compute(Context& c) {
   c.metric("view_filling", view == View::Filling);
   const section::SectionLayout layout = layout_of(c, particles.box);
   std::optional<residual::ResidualField> field;
-  if (const Detail* detail = c.optional<Detail>("detail"))
-    field.emplace(view == View::Surface ? without_light(*detail) : *detail, particles, layout.pixel_size,
-                  residual::Keep::Power, c.work().part(0, 0.1));
+  if (const Detail* detail = c.optional<Detail>("detail")) {
+    const auto use = [&](const Detail& shown) {
+      field.emplace(shown, particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
+    };
+    if (view == View::Surface)
+      use(without_light(*detail));
+    else
+      use(*detail);
+  }
   const residual::ResidualField* shown = field ? &*field : nullptr;
   if (view == View::Surface)
     show_stones(c, layout, photograph, shown);

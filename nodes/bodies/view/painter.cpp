@@ -53,7 +53,7 @@ void Painter::paint(Vec3f* pixels, const Work& work) {
   if (options_.shaded)
     paint_lit(pixels, work);
   else
-    paint_flat(pixels, work.part(0.05, 1));
+    paint_flat(pixels, work.part(0.1, 1));
   hide_ground();
 }
 
@@ -82,6 +82,24 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   });
 }
 
+namespace {
+
+// Gaussian blur by a large deviation, pixels: of a reduced copy, since its effort grows with the deviation.
+cv::Mat blurred_widely(const cv::Mat& values, double deviation) {
+  constexpr double kFine = 4;  // reduced pixels
+  const double sigma = std::clamp(deviation, 1.0, double(std::max(values.cols, values.rows)));
+  const double reduce = std::max(1.0, sigma / kFine);
+  const cv::Size size(std::max(1, round_nearest(values.cols / reduce)),
+                      std::max(1, round_nearest(values.rows / reduce)));
+  cv::Mat out;
+  cv::resize(values, out, size, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(out, out, {0, 0}, sigma / reduce, 0, cv::BORDER_REFLECT);
+  cv::resize(out, out, values.size(), 0, 0, cv::INTER_LINEAR);
+  return out;
+}
+
+}  // namespace
+
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
 // stones. So it creeps over their edges here and there.
 void Painter::raise_soil(const Work& work) {
@@ -100,13 +118,13 @@ void Painter::raise_soil(const Work& work) {
   const auto standardized = [&](const cv::Mat& values) {
     cv::Scalar mean, deviation;
     cv::meanStdDev(values, mean, deviation);
-    cv::Mat out = (values - mean[0]) / std::max(1e-9, deviation[0]);
+    constexpr double kEven = 1e-3;  // of the mean: soil of one color is level
+    if (!(deviation[0] > kEven * mean[0])) return cv::Mat(cv::Mat::zeros(values.size(), CV_32F));
+    cv::Mat out = (values - mean[0]) / deviation[0];
     return cv::Mat(cv::min(cv::max(out, -kMost), kMost));
   };
   const double pixel = options_.pixel_size;
-  cv::Mat wide;
-  cv::GaussianBlur(bright, wide, {0, 0}, std::max(1.0, kWide * bed_.largest() / pixel), 0,
-                   cv::BORDER_REFLECT);
+  const cv::Mat wide = blurred_widely(bright, kWide * bed_.largest() / pixel);
   const cv::Mat hills = standardized(wide) * (kBroad * bed_.largest());
   hills_.assign(hills.begin<float>(), hills.end<float>());
   const cv::Mat relief = standardized(bright) * (kGrain * pixel) + hills;

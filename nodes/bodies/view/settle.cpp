@@ -124,13 +124,13 @@ class Settling {
   }
   void hang(const Footprint&, float z);
   void take_down(const Footprint&);
-  void move(const Footprint&, carving::RayScene::Instance&);
+  void move(const Footprint&, carving::RayScene::Instance&, const Work&);
   float lowest_origin(const Footprint&) const;
   float rest_height(const Footprint&, const Place&, int stride) const;
   bool reachable(const Footprint&, const Place&) const;
   bool meets_ceiling(const Footprint&, const Place&) const;
   Place downhill(const Footprint&, const Place&, int step) const;
-  Place place_of_rest(const Footprint&, float z) const;
+  Place place_of_rest(const Footprint&, float z, const Work&) const;
 
   const Meshes& meshes_;
   Stones& stones_;
@@ -159,7 +159,7 @@ void Settling::run(const Work& work) {
     if (k % kReportEvery == 0) work.done(k, order.size());
     const Footprint f = footprint(order[k]);
     take_down(f);
-    move(f, stones_[order[k]]);
+    move(f, stones_[order[k]], work);
   }
 }
 
@@ -181,9 +181,9 @@ void Settling::take_down(const Footprint& f) {
   replaced_.pop_back();
 }
 
-void Settling::move(const Footprint& f, carving::RayScene::Instance& stone) {
+void Settling::move(const Footprint& f, carving::RayScene::Instance& stone, const Work& work) {
   Place place{0, 0, stone.offset.z()};
-  if (reachable(f, place)) place = place_of_rest(f, place.z);
+  if (reachable(f, place)) place = place_of_rest(f, place.z, work);
   Footprint moved = f;
   moved.cells.x += place.dx;
   moved.cells.y += place.dy;
@@ -252,12 +252,13 @@ Place Settling::downhill(const Footprint& f, const Place& place, int step) const
   return best;
 }
 
-Place Settling::place_of_rest(const Footprint& f, float z) const {
+Place Settling::place_of_rest(const Footprint& f, float z, const Work& work) const {
   Place place{0, 0, z};
   place.z = std::min(z, rest_height(f, place, 1));
   const float least = lowest_origin(f);
   int step = std::max(1, round_down(kFirstStep * std::max(f.cells.width, f.cells.height)));
   for (int k = 0; k < kMostSteps && place.z > least; ++k) {
+    work.check();
     const Place next = downhill(f, place, step);
     if (next.z < place.z)
       place = next;

@@ -57,7 +57,7 @@ float Shader::sun(const BedPoint& point, std::uint64_t random) const {
     const Vec3f side = std::cos(turn) * across.first + std::sin(turn) * across.second;
     const Vec3f direction = (middle_ + std::tan(kRings[k / kRing]) * side).normalized();
     const float cosine = point.normal.dot(direction);
-    if (cosine <= 0) continue;
+    if (cosine <= 0 || direction.z() <= 0) continue;  // away from the sun, or the sun below the ground
     // A smooth mesh is lit a little beyond the facets that face the sun.
     if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction)) continue;
     sum += cosine;

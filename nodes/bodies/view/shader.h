@@ -1,7 +1,6 @@
 // How much light the points of a bed receive.
 #pragma once
 
-#include <array>
 #include <cstdint>
 
 #include "nodes/bodies/view/bed.h"

@@ -5,6 +5,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 
 #include "nodes/color/colorize/colors_of_sizes.h"
 #include "nodes/common/geometry/rank.h"
@@ -52,7 +53,6 @@ struct Source {
 // their shadow.
 class Shadows {
  public:
-  Shadows() = default;  // none
   explicit Shadows(const Profiles& all) {
     if (all.view != View::Surface) return;
     std::vector<double> whole;
@@ -77,7 +77,11 @@ class Shadows {
   float dark_ = 0;
 };
 
+// Classes without any other color keep those of their stones in the shadow.
 Source source_of(const Profiles& profiles, bool weightless, const Shadows& shadows) {
+  std::set<int> lit;
+  for (const Profile& p : profiles.profiles)
+    if ((weightless || p.weight > 0) && !shadows.hold(p)) lit.insert(p.cls);
   Source s;
   for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
     const Profile& p = profiles.profiles[i];
@@ -86,7 +90,7 @@ Source source_of(const Profiles& profiles, bool weightless, const Shadows& shado
       throw Error("bad-profile", "profile " + std::to_string(i + 1) + " has no valid color, weight or area",
                   "check the photograph for NaN and the segmentation for empty profiles");
     const double w = weightless ? 1 : p.weight;
-    if (w == 0 || shadows.hold(p)) continue;
+    if (w == 0 || (shadows.hold(p) && lit.contains(p.cls))) continue;
     s.color.push_back(p.color);
     s.weight.push_back(w);
     s.cls.push_back(p.cls);
@@ -105,9 +109,7 @@ Source usable(const Profiles& profiles, ColorReport& report) {
                                    [](const Profile& p) { return p.weight > 0; });
   report.colorless = std::all_of(profiles.profiles.begin(), profiles.profiles.end(),
                                  [](const Profile& p) { return p.color.isZero(0); });
-  const Shadows shadows(profiles);
-  Source s = source_of(profiles, report.weightless, shadows);
-  if (s.count() == 0) s = source_of(profiles, report.weightless, {});
+  Source s = source_of(profiles, report.weightless, Shadows(profiles));
   report.profiles_used = s.count();
   return s;
 }

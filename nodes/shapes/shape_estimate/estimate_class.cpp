@@ -191,7 +191,10 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
                             std::optional<double> thickness, const Work& all_work) {
   // The base of a stone that lies flat is its silhouette.
   const std::string axis = thickness && c.text("axis") == "auto" ? "short" : c.text("axis");
-  const double relief = method.lies ? usual_relief(chosen.all) : 0;
+  std::vector<Outline> outlines = chosen.all;
+  if (outlines.empty())
+    for (const auto& own : chosen.shapes) outlines.insert(outlines.end(), own.begin(), own.end());
+  const double relief = method.lies ? usual_relief(outlines) : 0;
   ClassEstimate out;
   const std::size_t count = chosen.shapes.size();
   for (std::size_t s = 0; s < count; ++s) {

@@ -47,7 +47,7 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
   std::vector<Task> tasks;
   for (std::size_t h = 0; h < std::min(kHands, request.hands.size()); ++h)
     for (const auto& m : estimate_methods()) {
-      if (!m.run || request.hands[h].size() < m.least) continue;
+      if (!m.run || m.lies || request.hands[h].size() < m.least) continue;
       for (const char* axis : {"short", "long"}) {
         const bool turns = m.name.find("cylinder") != std::string::npos;
         if (turns || axis[0] == 's') tasks.push_back({h, &m, axis});

@@ -145,12 +145,12 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
                      .doc_("Number of profiles per shape, within the limits of the method"))
-      .parameter(
-          Parameter::integer("subdivision", 1)
-              .range(0, 4)
-              .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
-                    "triangles (about 500 to 2000 at 1). With control: auto, each level also allows more "
-                    "control points; grids with more than ten per quarter are subdivided only once."))
+      .parameter(Parameter::integer("subdivision", 1)
+                     .range(0, 4)
+                     .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
+                           "triangles (about 500 to 2000 at 1, and 2,900 of an inflation, which is not "
+                           "Catmull–Clark). With control: auto, each level also allows more "
+                           "control points; grids with more than ten per quarter are subdivided only once."))
       .parameter(Parameter::optional_integer("control", "auto")
                      .range(2, 24)
                      .doc_("Number of control points per quarter of a curve. auto: the fewest that reproduce "

@@ -12,12 +12,12 @@
 
 namespace terrazzo::segment {
 
-// A stone's middle faces the sky and its rim does not, so that it grows lighter from the rim to the middle
-// all the way. In a cut, only the few pixels of the rim that the camera blurs differ from the rest.
 struct ShadingCount {
   int judged = 0, shaded = 0;  // particles
 };
 
+// A stone's middle faces the sky and its rim does not, so that it grows lighter from the rim to the middle
+// all the way. In a cut, only the few pixels of the rim that the camera blurs differ from the rest.
 struct ViewEvidence {
   int judged = 0;             // particles large enough to tell
   double shaded = 0;          // share of them that are shaded like stones

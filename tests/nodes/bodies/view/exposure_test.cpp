@@ -73,6 +73,32 @@ TEST(Exposure, SlopesOfStonesAreThePhotographs) {
   }
 }
 
+TEST(Exposure, SlopesAndShadowsAgree) {
+  const Balls balls(true);
+  SurfaceOptions options;
+  options.slope = Vec2(0.3, 0);
+  options.loose = true;
+  const auto light = exposure(balls.pixels(0.07F), options, {});
+  EXPECT_NEAR(slope_of(balls, light), 0.3, 0.05);
+  double sum = 0, n = 0;
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    if (balls.stone[i] != 99) continue;
+    sum += light[i] * balls.color[i].x();
+    ++n;
+  }
+  EXPECT_NEAR(sum / n, 0.07, 0.01);
+}
+
+// Without gaps, nothing tells how dark they are.
+TEST(Exposure, LeavesLightAsItIsWithoutGaps) {
+  const Balls balls(false);
+  SurfaceOptions options, loose;
+  loose.loose = true;
+  UnlitPixels pixels = balls.pixels(0.01F);
+  pixels.ground = -10;
+  EXPECT_EQ(exposure(pixels, options, {}), exposure(pixels, loose, {}));
+}
+
 TEST(Exposure, StonesAreAsBrightAsInThePhotograph) {
   const Balls balls(false);
   SurfaceOptions options;

@@ -94,6 +94,14 @@ TEST(Colorize, StonesInTheShadowGiveNoColors) {
   for (const auto& c : p.color) ++count[c.x()];
   ASSERT_EQ(count.size(), 3u);
   for (const float red : {1.0f, 0.9f, 0.04f}) EXPECT_NEAR(count[red] / 20000, 1 / 3.0, 0.015) << red;
+  // A class of dark stones keeps them.
+  seen.classes = 2;
+  seen.profiles[3].cls = 1;
+  p.cls.assign(p.count(), 1);
+  colorize::colorize(p, seen, {ColorMode::BySize, 7});
+  EXPECT_EQ(p.color[0], Vec3f::Constant(0.05f));
+  p.cls.assign(p.count(), 0);
+  seen.classes = 1;
   seen.profiles = {seen.profiles[2]};  // better than none
   colorize::colorize(p, seen, {ColorMode::Random, 7});
   EXPECT_EQ(p.color[0], Vec3f(0, 1, 0));
