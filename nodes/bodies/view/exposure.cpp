@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
@@ -45,25 +44,6 @@ struct StoneSamples {
     }
   }
 };
-
-// The value of each sampled pixel and the median of its stone's.
-struct SampledValues {
-  std::vector<float> value, median;
-};
-
-template <class Value>
-SampledValues sampled(const StoneSamples& samples, const Value& value) {
-  SampledValues out;
-  out.value.reserve(samples.pixels.size());
-  for (const std::size_t i : samples.pixels) out.value.push_back(value(i));
-  std::vector<float> own;
-  for (std::size_t s = 0; s + 1 < samples.first.size(); ++s) {
-    own.assign(out.value.begin() + samples.first[s], out.value.begin() + samples.first[s + 1]);
-    const float middle = at_rank(own, own.size() / 2);
-    out.median.insert(out.median.end(), own.size(), middle);
-  }
-  return out;
-}
 
 // Hidden parts of the sky return light that was reflected any number of times (Stewart and Langer 1997: what
 // they see is as bright as the place itself).
@@ -185,9 +165,15 @@ void use_usual_light(const UnlitPixels& p, std::vector<float>& light) {
 // The factor that makes stones as bright as in the photograph: the mean by area of the medians of stones.
 float brightness_for(const UnlitPixels& p, const std::vector<float>& light, const StoneSamples& samples,
                      float wanted) {
-  const SampledValues v = sampled(samples, [&](std::size_t i) { return light[i] * p.color[i].mean(); });
-  const double sum = std::accumulate(v.median.begin(), v.median.end(), 0.0);
-  return sum > 0 ? static_cast<float>(wanted * v.median.size() / sum) : 1;
+  double sum = 0;
+  std::vector<float> own;
+  for (std::size_t s = 0; s + 1 < samples.first.size(); ++s) {
+    own.clear();
+    for (std::size_t k = samples.first[s]; k < samples.first[s + 1]; ++k)
+      own.push_back(light[samples.pixels[k]] * p.color[samples.pixels[k]].mean());
+    sum += double(own.size()) * at_rank(own, own.size() / 2);
+  }
+  return sum > 0 ? static_cast<float>(wanted * samples.pixels.size() / sum) : 1;
 }
 
 }  // namespace

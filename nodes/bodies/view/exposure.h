@@ -22,10 +22,10 @@ struct UnlitPixels {
   Vec3f between = Vec3f::Zero();  // color of the places between loose stones
 };
 
-// What each pixel's color is multiplied with. The sun gets the share of the light with which stones are as
-// uneven as in the photograph (SurfaceOptions::slope), or that of options.light without it. Stones are as
-// bright on average as in the photograph, soil has its color, and shadows between loose stones are deepened
-// until they are as dark.
+// What each pixel's color is multiplied with. The sun gets the share of the light with which lightness grows
+// across stones as in the photograph (SurfaceOptions::slope), or that of options.light without it. Stones are
+// as bright on average as in the photograph, soil has its color, and shadows between loose stones are
+// deepened or lightened until they are as dark.
 std::vector<float> exposure(const UnlitPixels&, const SurfaceOptions&, const Work&);
 
 }  // namespace terrazzo::view

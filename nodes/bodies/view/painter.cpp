@@ -17,6 +17,20 @@ constexpr std::uint64_t kSkyStream = 0x736b7921;
 constexpr std::size_t kRows = 4;  // of a range for one thread
 constexpr int kSmooth = 2;        // pixels over which light is smoothed
 
+// Gaussian blur by a large deviation, pixels: of a reduced copy, since its effort grows with the deviation.
+cv::Mat blurred_widely(const cv::Mat& values, double deviation) {
+  constexpr double kFine = 4;  // reduced pixels
+  const double sigma = std::clamp(deviation, 1.0, double(std::max(values.cols, values.rows)));
+  const double reduce = std::max(1.0, sigma / kFine);
+  const cv::Size size(std::max(1, round_nearest(values.cols / reduce)),
+                      std::max(1, round_nearest(values.rows / reduce)));
+  cv::Mat out;
+  cv::resize(values, out, size, 0, 0, cv::INTER_AREA);
+  cv::GaussianBlur(out, out, {0, 0}, sigma / reduce, 0, cv::BORDER_REFLECT);
+  cv::resize(out, out, values.size(), 0, 0, cv::INTER_LINEAR);
+  return out;
+}
+
 }  // namespace
 
 Painter::Painter(const Bed& bed, const Shader& shader, const carving::ParticleColors& colors,
@@ -81,24 +95,6 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
 }
-
-namespace {
-
-// Gaussian blur by a large deviation, pixels: of a reduced copy, since its effort grows with the deviation.
-cv::Mat blurred_widely(const cv::Mat& values, double deviation) {
-  constexpr double kFine = 4;  // reduced pixels
-  const double sigma = std::clamp(deviation, 1.0, double(std::max(values.cols, values.rows)));
-  const double reduce = std::max(1.0, sigma / kFine);
-  const cv::Size size(std::max(1, round_nearest(values.cols / reduce)),
-                      std::max(1, round_nearest(values.rows / reduce)));
-  cv::Mat out;
-  cv::resize(values, out, size, 0, 0, cv::INTER_AREA);
-  cv::GaussianBlur(out, out, {0, 0}, sigma / reduce, 0, cv::BORDER_REFLECT);
-  cv::resize(out, out, values.size(), 0, 0, cv::INTER_LINEAR);
-  return out;
-}
-
-}  // namespace
 
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
 // stones. So it creeps over their edges here and there.

@@ -63,7 +63,7 @@ class Painter {
   float ground_ = 0;                 // height of the shadows between loose stones, mm
   std::vector<std::int32_t> stone_;  // at the center of each pixel
   std::vector<float> height_;        // there, mm
-  std::vector<Vec3f> color_;         // there, without light
+  std::vector<Vec3f> color_;         // there, without light until it is known
   std::vector<float> sun_, sky_;     // light there
 };
 
