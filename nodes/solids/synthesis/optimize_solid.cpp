@@ -76,6 +76,7 @@ std::vector<NeighborField> by_coherence(const std::vector<SolidExemplar>& exempl
   int iteration = 0;
   for (int level = 0; level < made; ++level) {
     const Vec3i size = box_at(s.size, level, levels);
+    schedule.part(work, level, 0, 1).progress(0, fmt::format("level {} of {}: whole", level + 1, levels));
     for (auto& p : pyramids) find_similar(p[level], work.quiet());
     const auto at_level = level_of(pyramids, level);
     const int channels = at_level[0]->channels;

@@ -168,9 +168,8 @@ GlMarcher::~GlMarcher() = default;
 
 const std::string& GlMarcher::renderer() const { return gl_->context.renderer(); }
 
-std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const Work& work) {
+void GlMarcher::set(const Frame& f) {
   Gl& gl = *gl_;
-  const int width = scene_.look.width, height = scene_.look.height;
   gl.set("camera", f.camera.position);
   gl.set("forward", f.camera.forward);
   gl.set("right", f.camera.right);
@@ -209,16 +208,30 @@ std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const W
       gl.set(fmt::format("place_weight[{}]", k), t.weight[s] * 65535);
     }
   }
-  // Render in bands, so that cancelling does not wait for a whole picture of a software renderer.
-  constexpr int kBand = 32;
-  for (int y = 0; y < height; y += kBand) {
+}
+
+void GlMarcher::draw(const Frame& f, const Work& work) {
+  set(f);
+  Gl& gl = *gl_;
+  const int width = scene_.look.width, height = scene_.look.height;
+  // A software renderer draws in bands, so that cancelling does not wait for a whole picture.
+  const int band = gl.software ? 32 : height;
+  for (int y = 0; y < height; y += band) {
     work.check();
-    gl.Scissor(0, y, width, std::min(kBand, height - y));
+    gl.Scissor(0, y, width, std::min(band, height - y));
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
     if (gl.software) gl.Finish();
     work.done(y, height);
   }
   gl.check();
+}
+
+void GlMarcher::finish() { gl_->Finish(); }
+
+std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const Work& work) {
+  draw(f, work);
+  const Gl& gl = *gl_;
+  const int width = scene_.look.width, height = scene_.look.height;
   const std::size_t pixels = pixels_in(width, height);
   std::vector<float> read(4 * pixels);
   std::vector<Vec3f> out(pixels);

@@ -1,5 +1,7 @@
 #include "nodes/solids/synthesis/blockwise/level.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -137,8 +139,12 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   BlockRegion region;
   region.lines = torus_lines(plan.blend[0], size(level));
   Targets targets;
+  const auto tell = [&](double done, const char* what) {
+    work.progress(done, fmt::format("level {} of {}: {}", level + 1, levels_, what));
+  };
   {
     const Below source = below(level, plan.blend[0], core, work.part(0, 0.3));
+    tell(0.3, "carry");
     carry(level, source, region, work.quiet());
     if (core) targets = targets_in(level, *core, source);
   }
@@ -173,6 +179,7 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   std::optional<BlockProbe> probe;
   if (core) probe.emplace(BlockProbe{*core, targets.values, *measured});
   BlockProbe* const measuring = probe ? &*probe : nullptr;
+  tell(0.3, "match");
   if (gl_) {
     gl_->run(passes, to_blend && !sources, measuring, region, own.part(0, 0.8));
     if (sources)
@@ -181,6 +188,7 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
     run_passes(passes, to_blend, measuring, sources, features, region, own.part(0, 0.8));
   }
   if (finish == 0) return region;
+  tell(0.86, "finish");
   if (core) measured->finish.resize(channels_);
   for (int c = 0; c < channels_; ++c)
     for (int r = 0; r < finish; ++r) {

@@ -1,14 +1,36 @@
 #include "nodes/solids/synthesis/exemplar/guide.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
+#include <cstdint>
 
 #include "nodes/data/indices.h"
 
 namespace terrazzo::solids {
 namespace {
+
+// The largest byte of the darker class (Otsu 1979, maximal variance between classes).
+int otsu(const std::array<std::int64_t, 256>& histogram) {
+  double count = 0, sum = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    count += static_cast<double>(histogram[i]);
+    sum += static_cast<double>(i) * static_cast<double>(histogram[i]);
+  }
+  double below = 0, below_sum = 0, best = 0;
+  int threshold = 0;
+  for (std::size_t i = 0; i < histogram.size(); ++i) {
+    below += static_cast<double>(histogram[i]);
+    below_sum += static_cast<double>(i) * static_cast<double>(histogram[i]);
+    if (below == 0 || below == count) continue;
+    const double difference = below_sum / below - (sum - below_sum) / (count - below);
+    const double variance = below * (count - below) * difference * difference;
+    if (variance <= best) continue;
+    best = variance;
+    threshold = static_cast<int>(i);
+  }
+  return threshold;
+}
 
 double threshold_of(const std::vector<SolidExemplar>& working) {
   std::vector<float> values;
@@ -17,12 +39,36 @@ double threshold_of(const std::vector<SolidExemplar>& working) {
       if (e.usable.empty() || e.usable[i]) values.push_back(e.pixels[i][0]);
   if (values.empty()) return 0;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  cv::Mat bytes(1, count_of(values), CV_8U);
   const float from = *low, span = std::max(1e-6f, *high - *low);
-  for (int i = 0; i < bytes.cols; ++i)
-    bytes.at<std::uint8_t>(i) = std::lround(255 * (values[i] - from) / span);
-  cv::Mat unused;
-  return from + span * (cv::threshold(bytes, unused, 0, 1, cv::THRESH_BINARY | cv::THRESH_OTSU) + 0.5) / 255;
+  std::array<std::int64_t, 256> histogram{};
+  for (const float v : values) ++histogram[static_cast<std::size_t>(std::lround(255 * (v - from) / span))];
+  return from + span * (otsu(histogram) + 0.5) / 255;
+}
+
+// Distance in pixels from each pixel to the nearest one whose phase is not `phase`, exact up to `reach` and
+// larger than it beyond.
+std::vector<float> distance_from_others(const std::vector<std::uint8_t>& phases, std::uint8_t phase,
+                                        int width, int height, int reach) {
+  const int far = reach + 1;
+  std::vector<int> along(phases.size(), far);  // distance within the column, at most `far`
+  for (int x = 0; x < width; ++x)
+    for (const int step : {1, -1})
+      for (int k = 0, y = step > 0 ? 0 : height - 1, d = far; k < height; ++k, y += step) {
+        const std::size_t i = pixel_at(x, y, width);
+        d = phases[i] != phase ? 0 : std::min(d + 1, far);
+        along[i] = std::min(along[i], d);
+      }
+  std::vector<float> distance(phases.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      int square = far * far;
+      for (int u = std::max(0, x - reach); u <= std::min(width - 1, x + reach); ++u) {
+        const int d = along[pixel_at(u, y, width)];
+        square = std::min(square, (u - x) * (u - x) + d * d);
+      }
+      distance[pixel_at(x, y, width)] = std::sqrt(static_cast<float>(square));
+    }
+  return distance;
 }
 
 }  // namespace
@@ -31,19 +77,14 @@ void guide_by_phases(std::vector<SolidExemplar>& working, double weight, int rea
   const double level = threshold_of(working);
   double sum = 0, square = 0, count = 0;
   for (auto& e : working) {
-    cv::Mat phase[2], distance[2];
-    for (int k = 0; k < 2; ++k) phase[k].create(e.height, e.width, CV_8U);
-    for (std::size_t i = 0; i < e.pixels.size(); ++i)
-      for (int k = 0; k < 2; ++k) phase[k].data[i] = (e.pixels[i][0] > level) == (k == 0);
-    for (int k = 0; k < 2; ++k)
-      cv::distanceTransform(phase[k], distance[k], cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    std::vector<std::uint8_t> light(e.pixels.size());
+    for (std::size_t i = 0; i < light.size(); ++i) light[i] = e.pixels[i][0] > level;
+    // The border is half a pixel from the pixel's center.
+    const auto to_dark = distance_from_others(light, 1, e.width, e.height, reach + 1),
+               to_light = distance_from_others(light, 0, e.width, e.height, reach + 1);
     e.guide.resize(e.pixels.size());
     for (std::size_t i = 0; i < e.guide.size(); ++i) {
-      const int at = i;
-      const int x = at % e.width, y = at / e.width;
-      // The border is half a pixel from the pixel's center.
-      const float d =
-          phase[0].data[i] ? distance[0].at<float>(y, x) - 0.5f : 0.5f - distance[1].at<float>(y, x);
+      const float d = light[i] ? to_dark[i] - 0.5f : 0.5f - to_light[i];
       e.guide[i] = std::clamp<float>(d, -reach, reach);
       sum += e.guide[i];
       square += static_cast<double>(e.guide[i]) * e.guide[i];
