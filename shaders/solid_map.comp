@@ -5,7 +5,7 @@ layout(local_size_x = 8, local_size_y = 8) in;
 const int kBins = 4096;
 
 layout(std430, binding = 0) buffer Field { float field[]; };        // channel by channel
-layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };  // value and slope, channel by channel
+layout(std430, binding = 6) readonly buffer Maps { vec2 maps[]; };  // value and slope
 
 uniform int channel, voxels;
 uniform ivec3 size, first, last;  // stored voxels; range to process
@@ -18,7 +18,7 @@ void main() {
   precise float x = (field[voxel] - map_low) * map_scale;
   x = clamp(x, 0.0, float(kBins) - 0.001);
   int bin = int(x);
-  vec2 b = maps[channel * kBins + bin];
+  vec2 b = maps[bin];
   precise float y = b.x + (x - float(bin)) * b.y;
   field[voxel] = y;
 }

@@ -131,7 +131,7 @@ SectionStatistics slice_statistics(const Shape& shape, int classes, std::size_t 
         },
         [](Histogram a, const Histogram& b) {
           a += b;
-          return std::move(a);
+          return a;
         });
   };
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -72,10 +73,10 @@ std::vector<std::int64_t> profiles_of(const StencilSlicer& slicer, int slice, co
   std::int64_t inside = 0;
   std::vector<std::int32_t> raster(convex ? 0 : static_cast<std::size_t>(kN) * kN);
   for (int y = 0; y < kN; ++y) {
-    const std::uint8_t* row = slicer.row(slice, y);
-    for (int x = 0; x < kN; ++x) inside += row[x] & 1;
+    const std::uint32_t* row = slicer.row(slice, y);
+    for (int w = 0; w < kN / 32; ++w) inside += std::popcount(row[w]);
     if (!convex)
-      for (int x = 0; x < kN; ++x) raster[pixel_at(x, y, kN)] = row[x] & 1;
+      for (int x = 0; x < kN; ++x) raster[pixel_at(x, y, kN)] = row[x / 32] >> (x % 32) & 1;
   }
   if (inside == 0 && !body.one_piece) return {};
   if (convex || inside == 0) return {inside};  // the plane meets the body, possibly between pixels
@@ -100,13 +101,15 @@ SectionStatistics stencil_statistics(const Shape& shape, int classes, std::size_
     work.check();
     work.done(begin, count);
     const std::size_t n = std::min<std::size_t>(StencilSlicer::kSlices, count - begin);
-    std::vector<SlicePlane> planes;
-    std::vector<double> widths;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Planned p = plan(shape.mesh, begin + i);
-      planes.push_back(p.plane);
-      widths.push_back(p.width);
-    }
+    std::vector<SlicePlane> planes(n);
+    std::vector<double> widths(n);
+    work.quiet().parallel(n, 8, [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        const Planned p = plan(shape.mesh, begin + i);
+        planes[i] = p.plane;
+        widths[i] = p.width;
+      }
+    });
     slicer.draw(planes);
     std::vector<std::vector<std::int64_t>> found(n);
     work.quiet().parallel(n, 8, [&](std::size_t from, std::size_t to) {

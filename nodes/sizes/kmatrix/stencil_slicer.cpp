@@ -1,13 +1,13 @@
 #include "nodes/sizes/kmatrix/stencil_slicer.h"
 
-#include <GL/glcorearb.h>
-
-#include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
-#include "nodes/common/gl/gl_program.h"
+#include "nodes/common/gl/gl_compute.h"
 
 namespace terrazzo::kmatrix {
 namespace {
+
+constexpr int kSide = StencilSlicer::kColumns * StencilSlicer::kTile;  // of the stencil buffer, pixels
+constexpr int kWords = StencilSlicer::kTile / 32;                      // of a tile's row
 
 struct Instance {
   float rotation[4], depth;
@@ -15,41 +15,32 @@ struct Instance {
 
 }  // namespace
 
-// OpenGL functions and objects. All are released with the context.
-struct StencilSlicer::Gl {
-  EglContext context;
-  GLuint program = 0, instances = 0;
+// The programs, and the stencil buffer with its packed copy. All are released with the context.
+struct StencilSlicer::Gl : GlCompute {
+  GLuint slice = 0, pack = 0, instances = 0;
   GLsizei indices = 0;
+  GlBuffer bits;
 
-  explicit Gl(GlDevice device) : context(device) {}
+  explicit Gl(GlDevice device) : GlCompute(device, "the stencil buffer", "use method: slice"), bits(*this) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
-  TERRAZZO_GL(BindBuffer, PFNGLBINDBUFFERPROC);
   TERRAZZO_GL(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
-  TERRAZZO_GL(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC);
+  TERRAZZO_GL(BindTexture, PFNGLBINDTEXTUREPROC);
   TERRAZZO_GL(BindVertexArray, PFNGLBINDVERTEXARRAYPROC);
-  TERRAZZO_GL(BufferData, PFNGLBUFFERDATAPROC);
   TERRAZZO_GL(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC);
   TERRAZZO_GL(Clear, PFNGLCLEARPROC);
   TERRAZZO_GL(DrawBuffer, PFNGLDRAWBUFFERPROC);
   TERRAZZO_GL(DrawElementsInstanced, PFNGLDRAWELEMENTSINSTANCEDPROC);
   TERRAZZO_GL(Enable, PFNGLENABLEPROC);
   TERRAZZO_GL(EnableVertexAttribArray, PFNGLENABLEVERTEXATTRIBARRAYPROC);
-  TERRAZZO_GL(FramebufferRenderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC);
-  TERRAZZO_GL(GenBuffers, PFNGLGENBUFFERSPROC);
+  TERRAZZO_GL(FramebufferTexture, PFNGLFRAMEBUFFERTEXTUREPROC);
   TERRAZZO_GL(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC);
-  TERRAZZO_GL(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC);
+  TERRAZZO_GL(GenTextures, PFNGLGENTEXTURESPROC);
   TERRAZZO_GL(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
-  TERRAZZO_GL(GetError, PFNGLGETERRORPROC);
-  TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
-  TERRAZZO_GL(PixelStorei, PFNGLPIXELSTOREIPROC);
   TERRAZZO_GL(ReadBuffer, PFNGLREADBUFFERPROC);
-  TERRAZZO_GL(ReadPixels, PFNGLREADPIXELSPROC);
-  TERRAZZO_GL(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC);
   TERRAZZO_GL(StencilFunc, PFNGLSTENCILFUNCPROC);
   TERRAZZO_GL(StencilOp, PFNGLSTENCILOPPROC);
-  TERRAZZO_GL(Uniform1f, PFNGLUNIFORM1FPROC);
-  TERRAZZO_GL(Uniform1i, PFNGLUNIFORM1IPROC);
-  TERRAZZO_GL(UseProgram, PFNGLUSEPROGRAMPROC);
+  TERRAZZO_GL(TexParameteri, PFNGLTEXPARAMETERIPROC);
+  TERRAZZO_GL(TexStorage2D, PFNGLTEXSTORAGE2DPROC);
   TERRAZZO_GL(VertexAttribDivisor, PFNGLVERTEXATTRIBDIVISORPROC);
   TERRAZZO_GL(VertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC);
   TERRAZZO_GL(Viewport, PFNGLVIEWPORTPROC);
@@ -57,16 +48,17 @@ struct StencilSlicer::Gl {
 };
 
 StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
-    : gl_(std::make_unique<Gl>(device)), stencil_(static_cast<std::size_t>(kSlices) * kTile * kTile) {
+    : gl_(std::make_unique<Gl>(device)), bits_(static_cast<std::size_t>(kSlices) * kTile * kWords) {
   Gl& gl = *gl_;
-  gl.program = make_gl_program(gl.context, "stencil_slice.vert", "stencil_slice.frag",
-                               "use method: slice, or a newer driver");
-  gl.UseProgram(gl.program);
+  constexpr const char* kHint = "use method: slice, or a newer driver";
+  gl.pack = make_gl_program(gl.context, "stencil_pack.comp", kHint);
+  gl.slice = make_gl_program(gl.context, "stencil_slice.vert", "stencil_slice.frag", kHint);
+  gl.use(gl.slice);
   // Two pixels of margin on each side, so that no body reaches into the next tile.
   const double radius = mesh_bounding_radius(mesh) * kTile / (kTile - 4);
   pixel_area_ = 4 * radius * radius / (static_cast<double>(kTile) * kTile);
-  gl.Uniform1f(gl.GetUniformLocation(gl.program, "radius"), static_cast<float>(radius));
-  gl.Uniform1i(gl.GetUniformLocation(gl.program, "columns"), kColumns);
+  gl.set("radius", static_cast<float>(radius));
+  gl.set("columns", kColumns);
 
   GLuint array = 0, buffers[3] = {}, frame = 0, stencil = 0;
   gl.GenVertexArrays(1, &array);
@@ -93,23 +85,25 @@ StencilSlicer::StencilSlicer(const Mesh& mesh, GlDevice device)
     gl.VertexAttribDivisor(at, 1);
   }
 
-  const GLsizei side = kColumns * kTile;
-  gl.GenRenderbuffers(1, &stencil);
-  gl.BindRenderbuffer(GL_RENDERBUFFER, stencil);
-  gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, side, side);
+  gl.GenTextures(1, &stencil);
+  gl.BindTexture(GL_TEXTURE_2D, stencil);
+  gl.TexStorage2D(GL_TEXTURE_2D, 1, GL_DEPTH24_STENCIL8, kSide, kSide);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_DEPTH_STENCIL_TEXTURE_MODE, GL_STENCIL_INDEX);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   gl.GenFramebuffers(1, &frame);
   gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
-  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER, stencil);
+  gl.FramebufferTexture(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, stencil, 0);
   gl.DrawBuffer(GL_NONE);
   gl.ReadBuffer(GL_NONE);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
     throw Error("no-gl", "the driver " + gl.context.renderer() + " cannot render to a stencil buffer",
                 "use method: slice");
-  gl.Viewport(0, 0, side, side);
+  gl.Viewport(0, 0, kSide, kSide);
   gl.Enable(GL_STENCIL_TEST);
   gl.StencilFunc(GL_ALWAYS, 0, 0xff);
   gl.StencilOp(GL_INVERT, GL_INVERT, GL_INVERT);  // only the parity is needed
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.bits.resize(bits_.size() * sizeof(bits_[0]));
 }
 
 StencilSlicer::~StencilSlicer() = default;
@@ -125,19 +119,22 @@ void StencilSlicer::draw(const std::vector<SlicePlane>& planes) {
                          static_cast<float>(p.depth)});
   gl.BindBuffer(GL_ARRAY_BUFFER, gl.instances);
   gl.BufferData(GL_ARRAY_BUFFER, instances.size() * sizeof(Instance), instances.data(), GL_STREAM_DRAW);
+  gl.use(gl.slice);
   gl.Clear(GL_STENCIL_BUFFER_BIT);
   gl.DrawElementsInstanced(GL_TRIANGLES, gl.indices, GL_UNSIGNED_INT, nullptr, instances.size());
-  const GLsizei side = kColumns * kTile;
-  gl.ReadPixels(0, 0, side, side, GL_STENCIL_INDEX, GL_UNSIGNED_BYTE, stencil_.data());
-  if (const GLenum code = gl.GetError(); code != GL_NO_ERROR)
-    throw Error("no-gl",
-                "the driver " + gl.context.renderer() + " failed with OpenGL error " + std::to_string(code),
-                "use method: slice");
+  // The buffer itself takes eight times as long to read back, and drivers convert it first.
+  gl.use(gl.pack);
+  gl.bits.bind(0);
+  gl.MemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+  gl.DispatchCompute(kColumns * kWords / GlCompute::kGroup, kSide / GlCompute::kGroup, 1);
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  gl.bits.read(0, bits_);
+  gl.check();
 }
 
-const std::uint8_t* StencilSlicer::row(int slice, int y) const {
+const std::uint32_t* StencilSlicer::row(int slice, int y) const {
   const std::size_t line = static_cast<std::size_t>(slice / kColumns) * kTile + y;
-  return stencil_.data() + (line * kColumns + (slice % kColumns)) * kTile;
+  return bits_.data() + (line * kColumns + (slice % kColumns)) * kWords;
 }
 
 }  // namespace terrazzo::kmatrix

@@ -30,17 +30,17 @@ class StencilSlicer {
   StencilSlicer(const Mesh&, GlDevice);
   ~StencilSlicer();
 
-  // Draws at most kSlices planes. Pixel (x, y) of slice s is row(s, y)[x]: 0 outside, 255 inside. Valid
+  // Draws at most kSlices planes. Pixel (x, y) of slice s is bit x % 32 of row(s, y)[x / 32]: 1 inside. Valid
   // until the next call.
   void draw(const std::vector<SlicePlane>&);
-  const std::uint8_t* row(int slice, int y) const;
+  const std::uint32_t* row(int slice, int y) const;
   double pixel_area() const { return pixel_area_; }  // mm²
   const std::string& renderer() const;
 
  private:
   struct Gl;
   std::unique_ptr<Gl> gl_;
-  std::vector<std::uint8_t> stencil_;
+  std::vector<std::uint32_t> bits_;
   double pixel_area_ = 0;
 };
 

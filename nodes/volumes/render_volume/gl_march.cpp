@@ -1,12 +1,9 @@
 #include "nodes/volumes/render_volume/gl_march.h"
 
-#include <GL/glcorearb.h>
-#include <fmt/format.h>
-
+#include <array>
 #include <cmath>
 
-#include "graph/diagnostic.h"
-#include "nodes/common/gl/gl_program.h"
+#include "nodes/common/gl/gl_compute.h"
 #include "nodes/data/indices.h"
 
 namespace terrazzo::render_volume {
@@ -14,56 +11,30 @@ namespace {
 
 constexpr int kTextures = 12;  // as in the shader
 
+using GroupCounts = std::array<std::uint32_t, 4>;  // rays, samples, pieces, lookups of a work group
+
+// Work groups along an edge of the picture.
+int groups(int pixels) { return (pixels + GlCompute::kGroup - 1) / GlCompute::kGroup; }
+
 }  // namespace
 
-// Functions by name, and the objects; all are released with the context.
-struct GlMarcher::Gl {
-  EglContext context;
-  GLuint program = 0;
+// The context, the scene's textures and the picture; all are released with the context.
+struct GlMarcher::Gl : GlCompute {
   int units = 0;  // texture units in use
-  bool software;
+  GlBuffer colors, counts;
 
-  explicit Gl(GlDevice device) : context(device), software(device == GlDevice::Cpu) {}
+  explicit Gl(GlDevice device)
+      : GlCompute(device, "the scene", "set device: cpu"), colors(*this), counts(*this) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
   TERRAZZO_GL(ActiveTexture, PFNGLACTIVETEXTUREPROC);
-  TERRAZZO_GL(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
-  TERRAZZO_GL(BindRenderbuffer, PFNGLBINDRENDERBUFFERPROC);
   TERRAZZO_GL(BindTexture, PFNGLBINDTEXTUREPROC);
-  TERRAZZO_GL(BindVertexArray, PFNGLBINDVERTEXARRAYPROC);
-  TERRAZZO_GL(CheckFramebufferStatus, PFNGLCHECKFRAMEBUFFERSTATUSPROC);
-  TERRAZZO_GL(DrawArrays, PFNGLDRAWARRAYSPROC);
-  TERRAZZO_GL(DrawBuffers, PFNGLDRAWBUFFERSPROC);
-  TERRAZZO_GL(Enable, PFNGLENABLEPROC);
-  TERRAZZO_GL(Finish, PFNGLFINISHPROC);
-  TERRAZZO_GL(FramebufferRenderbuffer, PFNGLFRAMEBUFFERRENDERBUFFERPROC);
-  TERRAZZO_GL(GenFramebuffers, PFNGLGENFRAMEBUFFERSPROC);
-  TERRAZZO_GL(GenRenderbuffers, PFNGLGENRENDERBUFFERSPROC);
   TERRAZZO_GL(GenTextures, PFNGLGENTEXTURESPROC);
-  TERRAZZO_GL(GenVertexArrays, PFNGLGENVERTEXARRAYSPROC);
   TERRAZZO_GL(GetIntegerv, PFNGLGETINTEGERVPROC);
-  TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
   TERRAZZO_GL(PixelStorei, PFNGLPIXELSTOREIPROC);
-  TERRAZZO_GL(ReadBuffer, PFNGLREADBUFFERPROC);
-  TERRAZZO_GL(ReadPixels, PFNGLREADPIXELSPROC);
-  TERRAZZO_GL(RenderbufferStorage, PFNGLRENDERBUFFERSTORAGEPROC);
-  TERRAZZO_GL(Scissor, PFNGLSCISSORPROC);
   TERRAZZO_GL(TexImage3D, PFNGLTEXIMAGE3DPROC);
   TERRAZZO_GL(TexParameteri, PFNGLTEXPARAMETERIPROC);
-  TERRAZZO_GL(Uniform1f, PFNGLUNIFORM1FPROC);
-  TERRAZZO_GL(Uniform1i, PFNGLUNIFORM1IPROC);
-  TERRAZZO_GL(Uniform1ui, PFNGLUNIFORM1UIPROC);
-  TERRAZZO_GL(Uniform2f, PFNGLUNIFORM2FPROC);
-  TERRAZZO_GL(Uniform2i, PFNGLUNIFORM2IPROC);
-  TERRAZZO_GL(Uniform3fv, PFNGLUNIFORM3FVPROC);
   TERRAZZO_GL(UniformMatrix3fv, PFNGLUNIFORMMATRIX3FVPROC);
-  TERRAZZO_GL(UseProgram, PFNGLUSEPROGRAMPROC);
-  TERRAZZO_GL(Viewport, PFNGLVIEWPORTPROC);
 #undef TERRAZZO_GL
-
-  GLint at(const std::string& name) const { return GetUniformLocation(program, name.c_str()); }
-  void set(const std::string& name, float v) const { Uniform1f(at(name), v); }
-  void set(const std::string& name, int v) const { Uniform1i(at(name), v); }
-  void set(const std::string& name, const Vec3f& v) const { Uniform3fv(at(name), 1, v.data()); }
 
   // Creates a 3D texture on the next unit and binds it to the sampler `name`.
   void start_texture(const std::string& name, GLint filter, GLint small_filter, GLint wrap, int levels) {
@@ -89,7 +60,6 @@ struct GlMarcher::Gl {
           .parameter("device");
     TexImage3D(GL_TEXTURE_3D, index, stored, size.x(), size.y(), size.z(), 0, format, type, data);
   }
-  void check() const { check_gl(context, "the scene", "set device: cpu"); }
 };
 
 GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
@@ -100,11 +70,8 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
                 fmt::format("{} textures exceed the shader's limit of {}", scene.textures.size(), kTextures),
                 "set device: cpu")
         .parameter("device");
-  gl.program = make_gl_program(gl.context, "march_volume.vert", "march_volume.frag",
-                               "set device: cpu, or install a newer driver");
-  gl.UseProgram(gl.program);
+  gl.use(make_gl_program(gl.context, "march_volume.comp", "set device: cpu, or install a newer driver"));
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
 
   gl.start_texture("scan", GL_LINEAR, GL_LINEAR, GL_CLAMP_TO_EDGE, 1);
   gl.level(0, GL_R16, scene.scan.size, GL_RED, GL_UNSIGNED_SHORT, scene.scan.voxels.data());
@@ -125,29 +92,9 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   }
   gl.check();
 
-  GLuint frame = 0, array = 0, buffers[2] = {};
-  gl.GenVertexArrays(1, &array);
-  gl.BindVertexArray(array);
-  gl.GenFramebuffers(1, &frame);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
-  gl.GenRenderbuffers(2, buffers);
-  for (unsigned i = 0; i < 2; ++i) {
-    gl.BindRenderbuffer(GL_RENDERBUFFER, buffers[i]);
-    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA32F, scene.look.width, scene.look.height);
-    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0 + i, GL_RENDERBUFFER, buffers[i]);
-  }
-  const GLenum both[2] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
-  gl.DrawBuffers(2, both);
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw Error("no-gl",
-                fmt::format("the driver {} cannot render to a picture of {} × {} floats",
-                            gl.context.renderer(), scene.look.width, scene.look.height),
-                "set device: cpu")
-        .parameter("device");
-  gl.Viewport(0, 0, scene.look.width, scene.look.height);
-  gl.Enable(GL_SCISSOR_TEST);
-
   const Look& look = scene.look;
+  gl.colors.resize(pixels_in(look.width, look.height) * sizeof(Vec3f));
+  gl.counts.resize(pixels_in(groups(look.width), groups(look.height)) * sizeof(GroupCounts));
   gl.Uniform2i(gl.at("picture"), look.width, look.height);
   gl.set("samples", look.samples);
   gl.set("size", Vec3f(scene.scan.size.cast<float>()));
@@ -214,15 +161,22 @@ void GlMarcher::draw(const Frame& f, const Work& work) {
   set(f);
   Gl& gl = *gl_;
   const int width = scene_.look.width, height = scene_.look.height;
-  // A software renderer draws in bands, so that cancelling does not wait for a whole picture.
-  const int band = gl.software ? 32 : height;
+  gl.colors.bind(0);
+  gl.counts.bind(1);
+  // In bands, so that cancelling does not wait for a whole picture, and no driver takes the device for hung.
+  const double rays_per_row = static_cast<double>(width) * scene_.look.samples * scene_.look.samples;
+  const double rows =
+      gl.software ? 32 : std::clamp((1 << 22) / rays_per_row, 8.0, static_cast<double>(height));
+  const int band = groups(static_cast<int>(rows)) * GlCompute::kGroup;
   for (int y = 0; y < height; y += band) {
     work.check();
-    gl.Scissor(0, y, width, std::min(band, height - y));
-    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+    gl.set("first", Vec3i(0, y, 0));
+    gl.set("last", Vec3i(width, std::min(y + band, height), 1));
+    gl.DispatchCompute(groups(width), groups(std::min(band, height - y)), 1);
     if (gl.software) gl.Finish();
     work.done(y, height);
   }
+  gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.check();
 }
 
@@ -230,26 +184,15 @@ void GlMarcher::finish() { gl_->Finish(); }
 
 std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const Work& work) {
   draw(f, work);
-  const Gl& gl = *gl_;
   const int width = scene_.look.width, height = scene_.look.height;
-  const std::size_t pixels = pixels_in(width, height);
-  std::vector<float> read(4 * pixels);
-  std::vector<Vec3f> out(pixels);
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT0);
-  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, read.data());
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const float* p = &read[4 * (static_cast<std::size_t>(height - 1 - y) * width + x)];
-      out[pixel_at(x, y, width)] = Vec3f(p[0], p[1], p[2]);
-    }
-  gl.ReadBuffer(GL_COLOR_ATTACHMENT1);
-  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_FLOAT, read.data());
-  for (std::size_t i = 0; i < pixels; ++i) {
-    const auto count = [&](int k) { return static_cast<std::uint64_t>(read[4 * i + k]); };
-    counts += FrameCounts{count(0), count(1), count(2), count(3)};
-  }
-  gl.check();
-  return out;
+  std::vector<Vec3f> picture(pixels_in(width, height));
+  gl_->colors.read(0, picture);
+  std::vector<GroupCounts> counted(pixels_in(groups(width), groups(height)));
+  gl_->counts.read(0, counted);
+  for (const auto& [rays, samples, pieces, lookups] : counted)
+    counts += FrameCounts{rays, samples, pieces, lookups};
+  gl_->check();
+  return picture;
 }
 
 }  // namespace terrazzo::render_volume

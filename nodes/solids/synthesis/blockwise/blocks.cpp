@@ -128,8 +128,10 @@ void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&
   BlendSources* const sources = s.sources ? &out.sources : nullptr;
   auto everywhere = local.measure(sources, work.part(0, 0.4));
   whole.field = {};
-  hand_over(everywhere ? std::move(*everywhere) : local.make(block_box(s), sources, work.part(0.4, 1)), s,
-            out);
+  BlockRegion made =
+      everywhere ? std::move(*everywhere) : local.make(block_box(s), sources, work.part(0.4, 1));
+  work.progress(1, "measures");
+  hand_over(std::move(made), s, out);
 }
 
 }  // namespace terrazzo::solids

@@ -68,17 +68,14 @@ std::vector<ValueMap> band_maps(const std::vector<Quantiles>& wanted, int channe
   return out;
 }
 
-}  // namespace
-
-void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
-                  int channel, const TorusBox& box, const TorusBox* measured, FinishMaps& maps,
+// One round on one channel, in `box`.
+void finish_round(const BlockFinish& finish, int channel, const TorusBox& box, FinishMaps& maps,
                   BlockRegion& region, const Work& work) {
   const std::size_t c = channel;
-  if (measured) {
-    maps.bands.clear();
+  const TorusBox* const measured = finish.measured;
+  if (measured)
     for (const NeighborField& f : region.families)
-      maps.bands.push_back(band_maps(wanted[f.exemplar][c], channel, f.axis, *measured, region, work));
-  }
+      maps.bands.push_back(band_maps(finish.bands[f.exemplar][c], channel, f.axis, *measured, region, work));
   const float share = finish_share(region.families.size());
   const Strides strides(region);
   std::vector<float> sum = region.field.channel[c];
@@ -107,14 +104,23 @@ void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted
     });
   }
   region.field.channel[c].swap(sum);
-  if (measured) {
-    maps.values.clear();
-    maps.values.emplace_back(values_in(*measured, region, channel), values);
-  }
+  if (measured) maps.values.emplace_back(values_in(*measured, region, channel), finish.values[c]);
   auto& all = region.field.channel[c];
   work.parallel(all.size(), 1 << 16,
                 [&](std::size_t b, std::size_t e) { maps.values[0].apply(all.data() + b, e - b); });
   copy_beyond(region.lines, all, work);
+}
+
+}  // namespace
+
+void finish_region(const BlockFinish& finish, BlockRegion& region, const Work& work) {
+  const std::size_t channels = region.field.channel.size(), rounds = finish.boxes.size();
+  if (finish.measured) finish.maps.assign(channels, std::vector<FinishMaps>(rounds));
+  for (std::size_t c = 0; c < channels; ++c)
+    for (std::size_t r = 0; r < rounds; ++r) {
+      finish_round(finish, c, finish.boxes[r], finish.maps[c][r], region, work.quiet());
+      work.done(c * rounds + r + 1, channels * rounds);
+    }
 }
 
 }  // namespace terrazzo::solids

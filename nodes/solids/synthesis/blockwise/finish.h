@@ -8,12 +8,20 @@
 
 namespace terrazzo::solids {
 
-// One round on one channel, in `box`; the stored input must be valid kFinishReach further out. Maps the bands
-// of the slices across each family's axis to their exemplar's distribution and adds up the changes of all
-// planes, times 2/3 if there are three; then maps the values to `values`. If `measured` is set, the maps are
-// fixed from the values in that box, otherwise taken from `maps`.
-void finish_round(const std::vector<std::vector<std::vector<Quantiles>>>& wanted, const Quantiles& values,
-                  int channel, const TorusBox& box, const TorusBox* measured, FinishMaps& maps, BlockRegion&,
-                  const Work&);
+// The finish of a part of a level. A round maps the bands of the slices across each family's axis to their
+// exemplar's distribution and adds up the changes of all planes, times 2/3 if there are three; then it maps
+// the values.
+struct BlockFinish {
+  const std::vector<std::vector<std::vector<Quantiles>>>& bands;  // wanted: [exemplar][channel][band]
+  const std::vector<TorusBox>& boxes;  // per round; the input must be valid kFinishReach further out
+  // The maps of each round, [channel][round]. If `measured` is set, they are fixed from the values in that
+  // box and from those wanted there, per channel; otherwise they are given.
+  std::vector<std::vector<FinishMaps>>& maps;
+  const TorusBox* measured;
+  const std::vector<Quantiles>& values;
+};
+
+// Runs all rounds on all channels.
+void finish_region(const BlockFinish&, BlockRegion&, const Work&);
 
 }  // namespace terrazzo::solids

@@ -10,11 +10,13 @@
 #include "nodes/data/indices.h"
 #include "nodes/solids/synthesis/blockwise/gl_buffers.h"
 #include "nodes/solids/synthesis/matching/weights.h"
+#include "nodes/solids/synthesis/whole/finish.h"
 
 namespace terrazzo::solids {
 namespace {
 
 constexpr const char* kHint = "set device: cpu, or install a newer driver";
+constexpr std::size_t kCopies = 16;  // of each histogram, as in the shaders
 
 }  // namespace
 
@@ -24,6 +26,8 @@ BlockGl::BlockGl(GlDevice device) : gl_(std::make_unique<Gl>(device)) {
   gl_->blend = make_gl_program(gl_->context, "solid_blend.comp", kHint);
   gl_->map = make_gl_program(gl_->context, "solid_map.comp", kHint);
   gl_->copy = make_gl_program(gl_->context, "solid_copy.comp", kHint);
+  gl_->count = make_gl_program(gl_->context, "solid_count.comp", kHint);
+  gl_->finish = make_gl_program(gl_->context, "solid_finish.comp", kHint);
 }
 
 BlockGl::~BlockGl() = default;
@@ -35,9 +39,14 @@ class BlockGl::Run {
  public:
   Run(Gl&, const BlockPasses&, BlockProbe*, BlockRegion&, const Work&);
 
-  void run(bool to_blend);
+  void run(bool to_blend, const BlockFinish*);
 
  private:
+  // Waits for the device, so that the note tells what it does.
+  void stage(double done, const char* note) const {
+    gl_.Finish();
+    work_.progress(done, note);
+  }
   void upload_exemplars();
   void upload_matches();
   void download_field();
@@ -47,7 +56,17 @@ class BlockGl::Run {
   // Blend `i` and the map of values after it.
   void blend(std::size_t i, const Work&);
   void blend_patches(std::size_t i, const Vec3i& first, const Vec3i& last, const Work&);
-  void map_values(std::size_t i, const Vec3i& first, const Vec3i& last);
+  // Applies a map to a channel's values in a range, and updates their copies.
+  void map_values(std::size_t channel, const Remap&, const Vec3i& first, const Vec3i& last);
+  // The map of a channel's values in a box to the wanted ones.
+  ValueMap measured_values(std::size_t channel, const TorusBox&, const Quantiles& wanted);
+  // The counts of `maps` histograms that a program counted.
+  std::vector<Remap::Counts> counted(std::size_t maps);
+  void finish(const BlockFinish&, const Work&);
+  void finish_round(const BlockFinish&, std::size_t channel, const TorusBox&, FinishMaps&);
+  // Prepares the program for the bands of a channel across a family's axis, and runs it over a box.
+  void split_bands(const NeighborField&, std::size_t channel, const std::vector<Remap>&, bool counting,
+                   const TorusBox&);
   // The search of iteration `i` in the slices of family `k`.
   void search(std::size_t i, std::size_t k, const Work&);
   void set_exemplar(const NeighborField&);
@@ -55,7 +74,7 @@ class BlockGl::Run {
   // Turns squared distances into weights.
   void weigh(std::size_t i, std::size_t k);
   // Copies what lies beyond one period of closed lines from its originals.
-  void copy_beyond(const Buffer& what, std::size_t first, const Vec3i& size, const Vec3i& at);
+  void copy_beyond(const GlBuffer& what, std::size_t first, const Vec3i& size, const Vec3i& at);
 
   // The patches of a family over a box: columns, rows and slices.
   struct PatchBox {
@@ -71,7 +90,7 @@ class BlockGl::Run {
   const TorusLines& lines_;
   std::size_t channels_, voxels_;
   LineTables tables_;
-  Buffer field_, matches_, next_, weight_, numbers_, texels_, maps_, table_;
+  GlBuffer field_, matches_, next_, weight_, numbers_, texels_, maps_, table_, counts_, sum_;
   std::vector<ExemplarBuffers> exemplars_;
   std::vector<int> first_texel_;          // of each exemplar
   std::vector<std::size_t> first_match_;  // of each family
@@ -94,7 +113,9 @@ BlockGl::Run::Run(Gl& gl, const BlockPasses& passes, BlockProbe* probe, BlockReg
       numbers_(gl),
       texels_(gl),
       maps_(gl),
-      table_(gl) {
+      table_(gl),
+      counts_(gl),
+      sum_(gl) {
   numbers_.fill(tables_.numbers);
   table_.fill(WeightTable(passes.power).entries());
   field_.resize(channels_ * voxels_ * sizeof(float));
@@ -145,7 +166,7 @@ void BlockGl::Run::download_matches() {
     matches_.read(first_match_[k] * sizeof(std::uint32_t), region_.families[k].at);
 }
 
-void BlockGl::Run::copy_beyond(const Buffer& what, std::size_t first, const Vec3i& size, const Vec3i& at) {
+void BlockGl::Run::copy_beyond(const GlBuffer& what, std::size_t first, const Vec3i& size, const Vec3i& at) {
   if (!lines_[0].closed && !lines_[1].closed && !lines_[2].closed) return;
   gl_.use(gl_.copy);
   what.bind(0);
@@ -165,12 +186,12 @@ void BlockGl::Run::blend(std::size_t i, const Work& work) {
   }
   blend_patches(i, first, last, work);
   if (probe_) {
-    download_field();
-    measure_values(*probe_, region_, work_.quiet());
+    auto& maps = probe_->measured.values.emplace_back();
+    for (std::size_t c = 0; c < channels_; ++c)
+      maps.push_back(measured_values(c, probe_->box, probe_->values[c]));
   }
-  map_values(i, first, last);
-  const Vec3i originals(tables_.voxels[0], tables_.voxels[1], tables_.voxels[2]);
-  for (std::size_t c = 0; c < channels_; ++c) copy_beyond(field_, c * voxels_, region_.field.size, originals);
+  for (std::size_t c = 0; c < channels_; ++c)
+    map_values(c, passes_.statistics.values[i][c].map(), first, last);
 }
 
 void BlockGl::Run::blend_patches(std::size_t i, const Vec3i& first, const Vec3i& last, const Work& work) {
@@ -206,23 +227,45 @@ void BlockGl::Run::blend_patches(std::size_t i, const Vec3i& first, const Vec3i&
   gl_.dispatch(first, last, work);
 }
 
-void BlockGl::Run::map_values(std::size_t i, const Vec3i& first, const Vec3i& last) {
-  std::vector<Remap::Bin> bins;
-  for (const ValueMap& m : passes_.statistics.values[i])
-    bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
-  maps_.fill(bins);
+void BlockGl::Run::map_values(std::size_t channel, const Remap& map, const Vec3i& first, const Vec3i& last) {
+  maps_.fill(map.bins());
   gl_.use(gl_.map);
   field_.bind(0);
   maps_.bind(6);
   gl_.set("voxels", static_cast<int>(voxels_));
   gl_.set("size", region_.field.size);
-  for (std::size_t c = 0; c < channels_; ++c) {
-    const Remap& map = passes_.statistics.values[i][c].map();
-    gl_.set("channel", static_cast<int>(c));
-    gl_.set("map_low", map.low());
-    gl_.set("map_scale", map.scale());
-    gl_.dispatch(first, last, work_.quiet());
-  }
+  gl_.set("channel", static_cast<int>(channel));
+  gl_.set("map_low", map.low());
+  gl_.set("map_scale", map.scale());
+  gl_.dispatch(first, last, work_.quiet());
+  const Vec3i originals(tables_.voxels[0], tables_.voxels[1], tables_.voxels[2]);
+  copy_beyond(field_, channel * voxels_, region_.field.size, originals);
+}
+
+std::vector<Remap::Counts> BlockGl::Run::counted(std::size_t maps) {
+  std::vector<std::uint32_t> all(kCopies * maps * Remap::kBins);
+  counts_.read(0, all);
+  std::vector<Remap::Counts> out(maps, Remap::Counts(Remap::kBins, 0));
+  for (std::size_t i = 0; i < all.size(); ++i) out[i / Remap::kBins % maps][i % Remap::kBins] += all[i];
+  return out;
+}
+
+ValueMap BlockGl::Run::measured_values(std::size_t channel, const TorusBox& box, const Quantiles& wanted) {
+  Remap map(wanted);
+  counts_.resize(kCopies * Remap::kBins * sizeof(std::uint32_t));
+  counts_.clear();
+  gl_.use(gl_.count);
+  field_.bind(0);
+  counts_.bind(2);
+  gl_.set("voxels", static_cast<int>(voxels_));
+  gl_.set("size", region_.field.size);
+  gl_.set("channel", static_cast<int>(channel));
+  gl_.set("map_low", map.low());
+  gl_.set("map_scale", map.scale());
+  const Vec3i from(lines_[0].from, lines_[1].from, lines_[2].from);
+  gl_.dispatch(box.lo - from, box.hi - from, work_.quiet());
+  map.finish(counted(1)[0]);
+  return ValueMap(Remap(map.low(), map.scale(), map.bins()));
 }
 
 BlockGl::Run::PatchBox BlockGl::Run::patches_over(const TorusBox& box, const NeighborField& f) const {
@@ -310,11 +353,86 @@ void BlockGl::Run::weigh(std::size_t i, std::size_t k) {
   copy_beyond(weight_, first_match_[k], size, originals);
 }
 
-void BlockGl::Run::run(bool to_blend) {
+void BlockGl::Run::split_bands(const NeighborField& f, std::size_t channel, const std::vector<Remap>& maps,
+                               bool counting, const TorusBox& box) {
+  const std::size_t axis = f.axis;
+  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
+  const Vec3i& stored = region_.field.size;
+  const Vec3i steps(1, stored.x(), stored.x() * stored.y());
+  const auto turned = [&](const Vec3i& v) { return Vec3i(v[ua], v[va], v[f.axis]); };
+  const Vec3i from(lines_[0].from, lines_[1].from, lines_[2].from);
+  gl_.use(gl_.finish);
+  field_.bind(0);
+  sum_.bind(1);
+  counts_.bind(2);
+  maps_.bind(6);
+  gl_.set("voxels", static_cast<int>(voxels_));
+  gl_.set("channel", static_cast<int>(channel));
+  gl_.set("size", turned(stored));
+  gl_.set("stride", turned(steps));
+  gl_.set("counting", static_cast<int>(counting));
+  gl_.set("share", finish_share(region_.families.size()));
+  for (std::size_t b = 0; b < maps.size(); ++b) {
+    gl_.set(fmt::format("map_low[{}]", b), maps[b].low());
+    gl_.set(fmt::format("map_scale[{}]", b), maps[b].scale());
+  }
+  constexpr int kTile = 16;  // as in the shader
+  gl_.dispatch(turned(box.lo - from), turned(box.hi - from), work_.quiet(), kTile);
+}
+
+void BlockGl::Run::finish_round(const BlockFinish& finish, std::size_t channel, const TorusBox& box,
+                                FinishMaps& maps) {
+  const auto& families = region_.families;
+  if (finish.measured)
+    for (const NeighborField& f : families) {
+      std::vector<Remap> bands;
+      for (const Quantiles& wanted : finish.bands[f.exemplar][channel]) bands.emplace_back(wanted);
+      counts_.resize(kCopies * bands.size() * Remap::kBins * sizeof(std::uint32_t));
+      counts_.clear();
+      split_bands(f, channel, bands, true, *finish.measured);
+      const auto counts = counted(bands.size());
+      maps.bands.emplace_back();
+      for (std::size_t b = 0; b < bands.size(); ++b) {
+        bands[b].finish(counts[b]);
+        maps.bands.back().emplace_back(Remap(bands[b].low(), bands[b].scale(), bands[b].bins()));
+      }
+    }
+  field_.copy(channel * voxels_ * sizeof(float), sum_, 0, voxels_ * sizeof(float));
+  for (std::size_t k = 0; k < families.size(); ++k) {
+    std::vector<Remap> bands;
+    std::vector<Remap::Bin> bins;
+    for (const ValueMap& m : maps.bands[k]) {
+      bands.push_back(m.map());
+      bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
+    }
+    maps_.fill(bins);
+    split_bands(families[k], channel, bands, false, box);
+  }
+  sum_.copy(0, field_, channel * voxels_ * sizeof(float), voxels_ * sizeof(float));
+  if (finish.measured)
+    maps.values.push_back(measured_values(channel, *finish.measured, finish.values[channel]));
+  map_values(channel, maps.values[0].map(), Vec3i::Zero(), region_.field.size);
+}
+
+void BlockGl::Run::finish(const BlockFinish& finish, const Work& work) {
+  const std::size_t rounds = finish.boxes.size();
+  if (finish.measured) finish.maps.assign(channels_, std::vector<FinishMaps>(rounds));
+  sum_.resize(voxels_ * sizeof(float));
+  for (std::size_t c = 0; c < channels_; ++c)
+    for (std::size_t r = 0; r < rounds; ++r) {
+      finish_round(finish, c, finish.boxes[r], finish.maps[c][r]);
+      work.done(c * rounds + r + 1, channels_ * rounds);
+    }
+}
+
+void BlockGl::Run::run(bool to_blend, const BlockFinish* finishing) {
   const std::size_t rounds = passes_.plan.blend.size() - 1;
-  blend(0, work_.part(0, 0.1));
+  const double end = finishing ? 0.8 : 1;
+  stage(0, "blend");
+  blend(0, work_.part(0, 0.1 * end));
   for (std::size_t i = 0; i < rounds; ++i) {
-    const auto share = [&](double x) { return 0.1 + 0.9 * (i + x) / rounds; };
+    const auto share = [&](double x) { return end * (0.1 + 0.9 * (i + x) / rounds); };
+    stage(share(0), "search");
     const double families = region_.families.size();
     for (std::size_t k = 0; k < region_.families.size(); ++k)
       search(i, k, work_.part(share(0.6 * k / families), share(0.6 * (k + 1) / families)));
@@ -323,17 +441,21 @@ void BlockGl::Run::run(bool to_blend) {
       measure_floors(*probe_, region_);
     }
     for (std::size_t k = 0; k < region_.families.size(); ++k) weigh(i, k);
+    stage(share(0.6), "blend");
     if (i + 1 < rounds || to_blend) blend(i + 1, work_.part(share(0.6), share(1)));
   }
+  stage(end, "finish");
+  if (finishing && !finishing->boxes.empty()) finish(*finishing, work_.part(end, 1));
+  stage(1, "read back");
   download_matches();
   download_weights();
   download_field();
   gl_.check();
 }
 
-void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, BlockRegion& region,
-                  const Work& work) {
-  Run(*gl_, passes, probe, region, work).run(to_blend);
+void BlockGl::run(const BlockPasses& passes, bool to_blend, BlockProbe* probe, const BlockFinish* finish,
+                  BlockRegion& region, const Work& work) {
+  Run(*gl_, passes, probe, region, work).run(to_blend, finish);
 }
 
 }  // namespace terrazzo::solids

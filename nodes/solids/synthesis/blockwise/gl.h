@@ -5,7 +5,7 @@
 #include <string>
 
 #include "nodes/common/gl/egl_context.h"
-#include "nodes/solids/synthesis/blockwise/passes.h"
+#include "nodes/solids/synthesis/blockwise/finish.h"
 
 namespace terrazzo::solids {
 
@@ -16,16 +16,17 @@ class BlockGl {
   explicit BlockGl(GlDevice);
   ~BlockGl();
 
-  // Turns the carried matches of a region into its matches and weights, and into its field if `to_blend`.
+  // Turns the carried matches of a region into its matches and weights, and into its field if `to_blend`;
+  // then finishes that, if `finish` is not null.
   // Sums run in the processor's order, so only divisions, roots and fused products may round differently;
   // where two patches are equally near within that rounding, the match may differ. Throws Error
   // "too-large-for-gl" if the region does not fit into the device's buffers.
-  void run(const BlockPasses&, bool to_blend, BlockProbe*, BlockRegion&, const Work&);
+  void run(const BlockPasses&, bool to_blend, BlockProbe*, const BlockFinish* finish, BlockRegion&,
+           const Work&);
   const std::string& renderer() const;
 
  private:
   struct Gl;
-  struct Buffer;
   struct LineTables;
   struct ExemplarBuffers;
   class Run;

@@ -134,8 +134,7 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
                              LevelStatistics* measured, const TorusBox* core, BlendSources* sources,
                              const Work& work) const {
   const int rounds = iterations_[level];
-  const int finish = upto == Upto::Finish ? settings_.finish : 0;
-  const BlockPlan plan = block_plan(wanted, rounds, finish);
+  const BlockPlan plan = block_plan(wanted, rounds, upto == Upto::Finish ? settings_.finish : 0);
   BlockRegion region;
   region.lines = torus_lines(plan.blend[0], size(level));
   Targets targets;
@@ -179,25 +178,20 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   std::optional<BlockProbe> probe;
   if (core) probe.emplace(BlockProbe{*core, targets.values, *measured});
   BlockProbe* const measuring = probe ? &*probe : nullptr;
-  tell(0.3, "match");
+  tell(0.3, gl_ ? "upload" : "match");
+  std::vector<std::vector<FinishMaps>> maps = known.finish;
+  const BlockFinish finish{bands_, plan.finish, core ? measured->finish : maps, core, targets.finished};
+  const bool finished = gl_ && !sources;  // the sources are the processor's, and so is what follows them
   if (gl_) {
-    gl_->run(passes, to_blend && !sources, measuring, region, own.part(0, 0.8));
+    gl_->run(passes, to_blend && !sources, measuring, finished ? &finish : nullptr, region, own.part(0, 0.8));
     if (sources)
       blend_pass(passes, plan.blend.size() - 1, measuring, sources, features, region, work.quiet());
   } else {
     run_passes(passes, to_blend, measuring, sources, features, region, own.part(0, 0.8));
   }
-  if (finish == 0) return region;
+  if (finished || plan.finish.empty()) return region;
   tell(0.86, "finish");
-  if (core) measured->finish.resize(channels_);
-  for (int c = 0; c < channels_; ++c)
-    for (int r = 0; r < finish; ++r) {
-      FinishMaps maps = core ? FinishMaps{} : known.finish[c][r];
-      finish_round(bands_, core ? targets.finished[c] : Quantiles{}, c, plan.finish[r], core, maps, region,
-                   work.quiet());
-      if (core) measured->finish[c].push_back(std::move(maps));
-      own.progress(0.8 + 0.2 * (c * finish + r + 1) / (channels_ * finish));
-    }
+  finish_region(finish, region, own.part(0.8, 1));
   return region;
 }
 

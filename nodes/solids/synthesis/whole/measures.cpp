@@ -142,69 +142,82 @@ double histogram_distance(const BandStatistics& wanted, const std::vector<Quanti
   return mean;
 }
 
+// The larger patch distance between the halves of an exemplar.
+double patch_floor(const SolidExemplar& e, const Work& work) {
+  const auto distance = [&](int x, int y, int from_x, int from_y) {
+    return patch_distance({part_of(e, 0, 0, x, y)}, {part_of(e, from_x, from_y, e.width, e.height)}, 0, work);
+  };
+  return std::max({0.0, distance(e.width / 2, e.height, e.width / 2, 0),
+                   distance(e.width, e.height / 2, 0, e.height / 2)});
+}
+
+// Compares the slices with the exemplar by their gradients and their patches.
+void measure_patches(const SolidExemplar& e, const SolidField& field, PlaneMeasures& m, const Work& work) {
+  const Picture whole = part_of(e, 0, 0, e.width, e.height);
+  const Eigen::Array3d g = gradients(whole);
+  // Of many slices every other one is enough. Sixteen are compared by their patches.
+  const int n = field.size[m.axis], most = std::min(n, 16);
+  const auto compared = [&](int k) { return k * most / n != (k + 1) * most / n; };
+  std::vector<Picture> slices(n);
+  std::vector<double> stripes(slices.size(), 1);
+  work.parallel(slices.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const int k = i;
+      if (!compared(k) && n > 32 && k % 2) continue;
+      Picture p = slice_picture(field, m.axis, k);
+      const Eigen::Array3d h = gradients(p);
+      stripes[i] = more_striped(h[0], h[1], g[0], g[1]);
+      if (compared(k)) slices[i] = std::move(p);
+    }
+  });
+  std::erase_if(slices, [](const Picture& p) { return p.pixels.empty(); });
+  m.stripes_worst = *std::max_element(stripes.begin(), stripes.end());
+  m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work));
+}
+
+// The step across the seam of a solid that tiles, over the mean step inside.
+double seam_of(const SolidField& field, int axis, const Work& work) {
+  const auto steps = steps_across(field, axis, work);
+  const double inside =
+      std::accumulate(steps.begin(), steps.end() - 1, 0.0) / static_cast<double>(steps.size() - 1);
+  return inside > 0 ? steps.back() / inside : 1;
+}
+
 }  // namespace
 
 void measure_planes(const std::vector<SolidExemplar>& working, const SolidOptions& s, const SolidField& field,
                     std::vector<PlaneMeasures>& out, const Work& work) {
+  const bool tiles = s.blocks == Vec3i::Ones();
   SliceFamily::Workspace space;
   std::vector<Quantiles> values(field.channel.size());
   work.quiet().parallel(values.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) values[c] = quantiles_of(field.channel[c]);
   });
-  std::vector<double> floors(working.size(), -1);
-  const auto floor_of = [&](std::size_t exemplar) {
-    const SolidExemplar& e = working[exemplar];
-    const auto half = [&](int x0, int y0, int x1, int y1) { return std::vector{part_of(e, x0, y0, x1, y1)}; };
-    if (floors[exemplar] < 0)
-      floors[exemplar] =
-          std::max({0.0,
-                    patch_distance(half(0, 0, e.width / 2, e.height), half(e.width / 2, 0, e.width, e.height),
-                                   0, work.quiet()),
-                    patch_distance(half(0, 0, e.width, e.height / 2),
-                                   half(0, e.height / 2, e.width, e.height), 0, work.quiet())});
-    return floors[exemplar];
-  };
   for (PlaneMeasures& m : out) {
-    const int axis = m.axis;
-    const SolidExemplar& e = working[s.plane[axis]];
+    const SolidExemplar& e = working[s.plane[m.axis]];
     Image image(e.width, e.height, 1, 1);
     image.pixels = e.pixels;
     const int scales = pyramid_scales(
-        std::min({e.width, e.height, field.size[kSliceColumns[axis]], field.size[kSliceRows[axis]]}));
+        std::min({e.width, e.height, field.size[kSliceColumns[m.axis]], field.size[kSliceRows[m.axis]]}));
     const BandStatistics wanted = measure_bands(image, field.channel.size(), scales, work.quiet());
-    const bool tiles = s.blocks == Vec3i::Ones();
     if (tiles)
       measure_all_bands(wanted, scales, field, m, space, work);
     else
       measure_finest(e, field, m, work);
     m.histogram = histogram_distance(wanted, values);
-
-    const Picture whole = part_of(e, 0, 0, e.width, e.height);
-    const Eigen::Array3d g = gradients(whole);
-    // Of many slices every other one is enough. Sixteen are compared by their patches.
-    const int n = field.size[axis], most = std::min(n, 16);
-    const auto compared = [&](int k) { return k * most / n != (k + 1) * most / n; };
-    std::vector<Picture> slices(n);
-    std::vector<double> stripes(slices.size(), 1);
-    work.quiet().parallel(slices.size(), 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const int k = i;
-        if (!compared(k) && n > 32 && k % 2) continue;
-        Picture p = slice_picture(field, axis, k);
-        const Eigen::Array3d h = gradients(p);
-        stripes[i] = more_striped(h[0], h[1], g[0], g[1]);
-        if (compared(k)) slices[i] = std::move(p);
-      }
-    });
-    std::erase_if(slices, [](const Picture& p) { return p.pixels.empty(); });
-    m.stripes_worst = *std::max_element(stripes.begin(), stripes.end());
-    m.patches = std::max(0.0, patch_distance({whole}, std::move(slices), 0, work.quiet()));
-    m.patches_floor = floor_of(static_cast<std::size_t>(s.plane[axis]));
-    if (!tiles) continue;
-    const auto steps = steps_across(field, axis, work.quiet());
-    const double inside = std::accumulate(steps.begin(), steps.end() - 1, 0.0) / (n - 1);
-    m.seam = inside > 0 ? steps.back() / inside : 1;
   }
+  std::vector<double> floors(working.size());
+  work.quiet().parallel(floors.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) floors[e] = patch_floor(working[e], work.quiet());
+  });
+  work.quiet().parallel(out.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      PlaneMeasures& m = out[i];
+      measure_patches(working[s.plane[m.axis]], field, m, work.quiet());
+      m.patches_floor = floors[s.plane[m.axis]];
+      if (tiles) m.seam = seam_of(field, m.axis, work.quiet());
+    }
+  });
 }
 
 std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>& families) {

@@ -1,5 +1,7 @@
-#version 450 core
-// Mirrors nodes/volumes/render_volume/march.cpp step for step, so that both make the same picture. One invocation per pixel.
+// Mirrors nodes/volumes/render_volume/march.cpp step for step, so that both make the same picture. One invocation per pixel. A
+// compute shader, because GPUs for data centers have few units that rasterize.
+#version 450
+layout(local_size_x = 8, local_size_y = 8) in;
 
 const int kTissues = 16;
 const int kScales = 3;
@@ -34,8 +36,12 @@ uniform vec3 place_offset[kTissues * kScales];
 uniform float place_level[kTissues * kScales];
 uniform float place_weight[kTissues * kScales];
 
-layout(location = 0) out vec4 color_out;
-layout(location = 1) out vec4 counts_out;
+uniform ivec3 first, last;  // columns and rows to draw
+
+layout(std430, binding = 0) writeonly buffer Colors { float colors[]; };   // three per pixel, rows from the top
+layout(std430, binding = 1) writeonly buffer Counts { uvec4 counted[]; };  // per work group: rays, samples, pieces, lookups
+
+shared uvec4 of_group[64];
 
 float density(vec3 p) { return textureLod(scan, (p - 0.5) / size, 0.0).r * 65535.0; }
 
@@ -237,11 +243,21 @@ vec3 seen(vec2 at, inout vec4 counts) {
 }
 
 void main() {
-  vec2 corner = vec2(gl_FragCoord.x - 0.5, float(picture.y) - 0.5 - gl_FragCoord.y);  // rows from the top
-  vec3 sum = vec3(0.0);
+  ivec2 at = first.xy + ivec2(gl_GlobalInvocationID.xy);
   vec4 counts = vec4(0.0);
-  for (int j = 0; j < samples; ++j)
-    for (int i = 0; i < samples; ++i) sum += seen(corner + (vec2(i, j) + 0.5) / float(samples), counts);
-  color_out = vec4(sum / float(samples * samples), 1.0);
-  counts_out = counts;
+  if (at.x < last.x && at.y < last.y) {
+    vec3 sum = vec3(0.0);
+    for (int j = 0; j < samples; ++j)
+      for (int i = 0; i < samples; ++i) sum += seen(vec2(at) + (vec2(i, j) + 0.5) / float(samples), counts);
+    sum /= float(samples * samples);
+    int to = 3 * (at.y * picture.x + at.x);
+    for (int c = 0; c < 3; ++c) colors[to + c] = sum[c];
+  }
+  of_group[gl_LocalInvocationIndex] = uvec4(counts);
+  barrier();
+  if (gl_LocalInvocationIndex != 0u) return;
+  uvec4 all = uvec4(0u);
+  for (int i = 0; i < 64; ++i) all += of_group[i];
+  uint row = uint(first.y) / 8u + gl_WorkGroupID.y;
+  counted[row * gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }
