@@ -21,7 +21,8 @@ uniform int starts_at[3], covers_at[3];  // in lines, per axis; a cover is a fir
 uniform int from[3];                     // first stored voxel, per axis
 uniform float window;
 
-vec4 value[3][kMost / 4], weight[kMost / 4];
+vec4 samples[kMost];  // channels and weight; four together are summed as the processor does. Loops over channels have a fixed number
+                      // of steps, so that arrays stay in registers.
 
 float sum_of(vec4 v) {
   precise float s = (v.x + v.z) + (v.y + v.w);
@@ -43,38 +44,38 @@ void main() {
       for (int a = 0; a < cu; ++a, ++n) {
         int right = at[u] + from[u] - lines[starts_at[u] + pu + a];
         vec4 texel = texels[first_texel[f] + int(matches[row + pu + a]) + down * exemplar_width[f] + right];
-        for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = texel[c];
         precise float w = weights[row + pu + a] * kInner[right] * kInner[down];
-        weight[n >> 2][n & 3] = w;
+        samples[n] = vec4(texel.rgb, w);
       }
     }
-    for (; n % 4 != 0; ++n) {
-      weight[n >> 2][n & 3] = 0;
-      for (int c = 0; c < 3; ++c) value[c][n >> 2][n & 3] = 0;
-    }
+    for (; n % 4 != 0; ++n) samples[n] = vec4(0);
     precise vec4 total = vec4(0);
-    for (int k = begin / 4; k < n / 4; ++k) total += weight[k];
+    for (int k = begin; k < n; k += 4)
+      total += vec4(samples[k].w, samples[k + 1].w, samples[k + 2].w, samples[k + 3].w);
     precise float equal = 1.0 / sum_of(total);
-    for (int k = begin / 4; k < n / 4; ++k) {
-      precise vec4 w = weight[k] * equal;
-      weight[k] = w;
+    for (int k = begin; k < n; ++k) {
+      precise float w = samples[k].w * equal;
+      samples[k].w = w;
     }
   }
   // The weighted mean and the spread around it; then the mean shift.
   precise vec4 w_sum = vec4(0), squares = vec4(0);
   precise vec4 sum[3];
   for (int c = 0; c < 3; ++c) sum[c] = vec4(0);
-  for (int k = 0; k < n / 4; ++k) {
-    w_sum += weight[k];
-    for (int c = 0; c < channels; ++c) {
-      sum[c] += weight[k] * value[c][k];
-      squares += weight[k] * value[c][k] * value[c][k];
+  for (int k = 0; k < n; k += 4) {
+    mat4 four = transpose(mat4(samples[k], samples[k + 1], samples[k + 2], samples[k + 3]));
+    w_sum += four[3];
+    for (int c = 0; c < 3; ++c) {
+      if (c >= channels) continue;
+      sum[c] += four[3] * four[c];
+      squares += four[3] * four[c] * four[c];
     }
   }
   float all = 1.0 / sum_of(w_sum);
   precise float spread = 0;
   precise float mean[3];
-  for (int c = 0; c < channels; ++c) {
+  for (int c = 0; c < 3; ++c) {
+    if (c >= channels) continue;
     mean[c] = sum_of(sum[c]) * all;
     spread -= mean[c] * mean[c];
   }
@@ -86,19 +87,23 @@ void main() {
       float inverse = 1.0 / width;
       w_sum = vec4(0);
       for (int c = 0; c < 3; ++c) sum[c] = vec4(0);
-      for (int k = 0; k < n / 4; ++k) {
+      for (int k = 0; k < n; k += 4) {
+        mat4 four = transpose(mat4(samples[k], samples[k + 1], samples[k + 2], samples[k + 3]));
         precise vec4 far = vec4(0);
-        for (int c = 0; c < channels; ++c) {
-          precise vec4 d = value[c][k] - mean[c];
+        for (int c = 0; c < 3; ++c) {
+          if (c >= channels) continue;
+          precise vec4 d = four[c] - mean[c];
           far += d * d;
         }
         precise vec4 close = 1.0 + far * inverse;
-        precise vec4 w = weight[k] / (close * close);
+        precise vec4 w = four[3] / (close * close);
         w_sum += w;
-        for (int c = 0; c < channels; ++c) sum[c] += w * value[c][k];
+        for (int c = 0; c < 3; ++c)
+          if (c < channels) sum[c] += w * four[c];
       }
       float norm = 1.0 / sum_of(w_sum);
-      for (int c = 0; c < channels; ++c) mean[c] = sum_of(sum[c]) * norm;
+      for (int c = 0; c < 3; ++c)
+        if (c < channels) mean[c] = sum_of(sum[c]) * norm;
       width = max(width * root, 1e-8);
     }
   }

@@ -154,7 +154,7 @@ void by_reference(const std::vector<Pyramid>& pyramids, const SolidOptions& s, S
                               out.axes.scale,
                           s.seed, out.field, schedule.part(work, level, 0, rounds));
   }
-  out.measures = measure_copies(families);
+  out.measures = measure_copies(families, work.quiet());
 }
 
 // The first steps, common to every method.
@@ -213,8 +213,8 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
     make_block(working, pyramids, by_coherence(working, pyramids, s, out, work.part(0, 0.3)), s, gl, out,
                work.part(0.3, 0.97));
   else
-    out.measures =
-        measure_copies(by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97)));
+    out.measures = measure_copies(
+        by_coherence(exemplars, pyramids, s, out, work.part(0, s.finish > 0 ? 0.85 : 0.97)), work.quiet());
   pyramids.clear();
   if (s.finish > 0 && s.method == SolidMethod::Coherence)
     finish_bands(working, s, out.field, work.part(0.85, 0.97));

@@ -77,17 +77,19 @@ void find_similar_above(const WholeLevel& whole, std::vector<Pyramid>& pyramids,
 }
 
 // Crops the result to the block that the settings name, and measures its matches.
-void hand_over(BlockRegion&& region, const SolidOptions& s, SolidResult& out) {
+void hand_over(BlockRegion&& region, const SolidOptions& s, SolidResult& out, const Work& work) {
   const TorusBox box = block_box(s);
   out.size = box.size();
   out.origin = box.lo;
-  out.measures = measure_copies(families_in(box, region));
+  out.measures = measure_copies(families_in(box, region), work);
   region.families.clear();
-  out.field = {out.size, {}};
-  for (auto& c : region.field.channel) {
-    out.field.channel.push_back(crop(box, region, c));
-    c = {};
-  }
+  out.field = {out.size, std::vector<std::vector<float>>(region.field.channel.size())};
+  work.parallel(region.field.channel.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      out.field.channel[c] = crop(box, region, region.field.channel[c]);
+      region.field.channel[c] = {};
+    }
+  });
   out.sources.texel = crop(box, region, out.sources.texel);
   out.sources.exemplar = crop(box, region, out.sources.exemplar);
   out.sources.features = crop(box, region, out.sources.features);
@@ -115,7 +117,7 @@ void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&
   find_similar_above(base.whole, pyramids, work);
   BlockLevels local(working, pyramids, s, iterations, out.axes.channels, base.whole, gl);
   local.set_statistics(base.statistics);
-  hand_over(local.make(block_box(s), s.sources ? &out.sources : nullptr, work), s, out);
+  hand_over(local.make(block_box(s), s.sources ? &out.sources : nullptr, work), s, out, work.quiet());
 }
 
 void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>& pyramids,
@@ -131,7 +133,7 @@ void make_block(const std::vector<SolidExemplar>& working, std::vector<Pyramid>&
   BlockRegion made =
       everywhere ? std::move(*everywhere) : local.make(block_box(s), sources, work.part(0.4, 1));
   work.progress(1, "measures");
-  hand_over(std::move(made), s, out);
+  hand_over(std::move(made), s, out, work.quiet());
 }
 
 }  // namespace terrazzo::solids

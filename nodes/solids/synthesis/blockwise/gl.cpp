@@ -448,8 +448,10 @@ void BlockGl::Run::run(bool to_blend, const BlockFinish* finishing) {
   if (finishing && !finishing->boxes.empty()) finish(*finishing, work_.part(end, 1));
   stage(1, "read back");
   download_matches();
-  download_weights();
-  download_field();
+  if (to_blend)
+    download_field();
+  else
+    download_weights();  // for a blend on the processor
   gl_.check();
 }
 

@@ -153,7 +153,10 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
     const TorusLine& l = region.lines[a];
     region.field.size[a] = l.to - l.from;
   }
-  region.field.channel.assign(channels_, std::vector<float>(voxels(region.field.size)));
+  region.field.channel.resize(channels_);
+  work.quiet().parallel(region.field.channel.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) region.field.channel[c].resize(voxels(region.field.size));
+  });
   const LevelStatistics& known = measured ? *measured : fixed;
   std::vector<float> windows = {static_cast<float>(10 * settings_.window)};
   for (int i = 0; i < rounds; ++i) {

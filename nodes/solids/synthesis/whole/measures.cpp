@@ -220,27 +220,28 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidOption
   });
 }
 
-std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>& families) {
-  std::vector<PlaneMeasures> out;
-  for (const NeighborField& f : families) {
-    PlaneMeasures m;
-    m.axis = f.axis;
-    double all = 0;
-    const std::size_t plane = pixels_in(f.columns, f.rows);
-    for (int s = 0; s < f.slices; ++s) {
-      std::size_t same = 0;
-      for (int j = 0; j < f.rows; ++j)
-        for (int i = 0; i + 1 < f.columns; ++i) {
-          const std::uint32_t* at = &f.at[s * plane + pixel_at(i, j, f.columns)];
-          same += at[1] == at[0] + 2;
-        }
-      const double share = static_cast<double>(same) / (static_cast<double>(f.columns - 1) * f.rows);
-      m.copied_worst = std::max(m.copied_worst, share);
-      all += share;
+std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>& families, const Work& work) {
+  std::vector<PlaneMeasures> out(families.size());
+  work.parallel(families.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const NeighborField& f = families[k];
+      out[k].axis = f.axis;
+      double all = 0;
+      const std::size_t plane = pixels_in(f.columns, f.rows);
+      for (int s = 0; s < f.slices; ++s) {
+        std::size_t same = 0;
+        for (int j = 0; j < f.rows; ++j)
+          for (int i = 0; i + 1 < f.columns; ++i) {
+            const std::uint32_t* at = &f.at[s * plane + pixel_at(i, j, f.columns)];
+            same += at[1] == at[0] + 2;
+          }
+        const double share = static_cast<double>(same) / (static_cast<double>(f.columns - 1) * f.rows);
+        out[k].copied_worst = std::max(out[k].copied_worst, share);
+        all += share;
+      }
+      out[k].copied = all / f.slices;
     }
-    m.copied = all / f.slices;
-    out.push_back(std::move(m));
-  }
+  });
   return out;
 }
 

@@ -10,7 +10,7 @@
 namespace terrazzo::solids {
 
 // One entry per family, with the values computed from the final matches: copied and copied_worst.
-std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>&);
+std::vector<PlaneMeasures> measure_copies(const std::vector<NeighborField>&, const Work&);
 // All other measures. `working` are the exemplars in the field's axes. A block has no seam, and only one
 // band: the first of finest_bands.
 void measure_planes(const std::vector<SolidExemplar>& working, const SolidOptions&, const SolidField&,
