@@ -444,14 +444,14 @@ void BlockGl::Run::run(bool to_blend, const BlockFinish* finishing) {
     stage(share(0.6), "blend");
     if (i + 1 < rounds || to_blend) blend(i + 1, work_.part(share(0.6), share(1)));
   }
-  stage(end, "finish");
-  if (finishing && !finishing->boxes.empty()) finish(*finishing, work_.part(end, 1));
+  if (finishing) {
+    stage(end, "finish");
+    finish(*finishing, work_.part(end, 1));
+  }
   stage(1, "read back");
   download_matches();
-  if (to_blend)
-    download_field();
-  else
-    download_weights();  // for a blend on the processor
+  if (to_blend) download_field();
+  if (!finishing) download_weights();  // for the next level, or for a blend on the processor
   gl_.check();
 }
 

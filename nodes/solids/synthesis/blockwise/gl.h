@@ -16,8 +16,8 @@ class BlockGl {
   explicit BlockGl(GlDevice);
   ~BlockGl();
 
-  // Turns the carried matches of a region into its matches, and into its field if `to_blend`, otherwise into
-  // the weights of the last blend; then finishes the field, if `finish` is not null.
+  // Turns the carried matches of a region into its matches and weights, and into its field if `to_blend`.
+  // If `finish` is not null, then finishes the field and leaves the weights as they were.
   // Sums run in the processor's order, so only divisions, roots and fused products may round differently;
   // where two patches are equally near within that rounding, the match may differ. Throws Error
   // "too-large-for-gl" if the region does not fit into the device's buffers.
