@@ -33,6 +33,7 @@ struct GlCompute {
   TERRAZZO_GL(BindBuffer, PFNGLBINDBUFFERPROC);
   TERRAZZO_GL(BindBufferBase, PFNGLBINDBUFFERBASEPROC);
   TERRAZZO_GL(BufferData, PFNGLBUFFERDATAPROC);
+  TERRAZZO_GL(BufferStorage, PFNGLBUFFERSTORAGEPROC);
   TERRAZZO_GL(BufferSubData, PFNGLBUFFERSUBDATAPROC);
   TERRAZZO_GL(ClearBufferData, PFNGLCLEARBUFFERDATAPROC);
   TERRAZZO_GL(CopyBufferSubData, PFNGLCOPYBUFFERSUBDATAPROC);
@@ -40,9 +41,9 @@ struct GlCompute {
   TERRAZZO_GL(DispatchCompute, PFNGLDISPATCHCOMPUTEPROC);
   TERRAZZO_GL(Finish, PFNGLFINISHPROC);
   TERRAZZO_GL(GenBuffers, PFNGLGENBUFFERSPROC);
-  TERRAZZO_GL(GetBufferSubData, PFNGLGETBUFFERSUBDATAPROC);
   TERRAZZO_GL(GetInteger64v, PFNGLGETINTEGER64VPROC);
   TERRAZZO_GL(GetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC);
+  TERRAZZO_GL(MapBufferRange, PFNGLMAPBUFFERRANGEPROC);
   TERRAZZO_GL(MemoryBarrier, PFNGLMEMORYBARRIERPROC);
   TERRAZZO_GL(Uniform1f, PFNGLUNIFORM1FPROC);
   TERRAZZO_GL(Uniform1i, PFNGLUNIFORM1IPROC);
@@ -62,6 +63,9 @@ struct GlCompute {
   void set(const std::string& name, const Vec3f& v) const { Uniform3fv(at(name), 1, v.data()); }
 
   void check() const { check_gl(context, what, smaller); }
+
+  // Copies part of a buffer to memory.
+  void read(GLuint buffer, std::size_t from, std::size_t bytes, void* to);
 
   // Runs the program over a box, a few slices per dispatch so that cancelling does not wait for all of them.
   // `go` sets the slices of each dispatch; `group` is the program's work group size along x and y.
@@ -87,15 +91,19 @@ struct GlCompute {
     };
     dispatch(last - first, work, go, group);
   }
+
+ private:
+  GLuint staging_ = 0;
+  const char* staged_ = nullptr;
 };
 
 // An array on the device, freed with this object.
 struct GlBuffer {
-  const GlCompute& gl;
+  GlCompute& gl;
   GLuint name = 0;
   std::size_t bytes = 0;
 
-  explicit GlBuffer(const GlCompute& g) : gl(g) { gl.GenBuffers(1, &name); }
+  explicit GlBuffer(GlCompute& g) : gl(g) { gl.GenBuffers(1, &name); }
   GlBuffer(GlBuffer&& o) noexcept : gl(o.gl), name(std::exchange(o.name, 0)), bytes(o.bytes) {}
   GlBuffer& operator=(GlBuffer&&) = delete;
   ~GlBuffer() {
@@ -133,8 +141,7 @@ struct GlBuffer {
   }
   template <class T>
   void read(std::size_t at, std::vector<T>& v) const {
-    gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name);
-    gl.GetBufferSubData(GL_SHADER_STORAGE_BUFFER, at, v.size() * sizeof(T), v.data());
+    gl.read(name, at, v.size() * sizeof(T), v.data());
   }
   void bind(unsigned to) const { gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, to, name); }
   void copy(std::size_t from, const GlBuffer& to, std::size_t at, std::size_t n) const {

@@ -46,7 +46,7 @@ struct BlockGl::ExemplarBuffers {
   GlBuffer features, similar, model;
   int bias_at, penalty_at;
 
-  ExemplarBuffers(const Gl& gl, const ExemplarLevel& e, const std::vector<float>& penalty)
+  ExemplarBuffers(Gl& gl, const ExemplarLevel& e, const std::vector<float>& penalty)
       : features(gl), similar(gl), model(gl) {
     features.fill(e.features);
     similar.fill(e.similar);

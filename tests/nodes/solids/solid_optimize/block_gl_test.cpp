@@ -79,7 +79,7 @@ TEST_F(SolidGl, MakesItWhereTheProbeIsEverythingToo) {
 }
 
 TEST_F(SolidGl, MakesTheSameBlocks) {
-  so::SolidOptions s = small(Vec3i(33, 32, 41));
+  so::SolidOptions s = small(Vec3i(25, 24, 33));
   s.blocks = Vec3i(1, 2, 2);
   s.block = 2;
   EXPECT_LT(difference({test::exemplar_of(test::blobs(48, 48, 8, 1))}, s), 0.01);
@@ -104,7 +104,7 @@ TEST_F(SolidGl, StopsWhenCancelled) {
   for (const double stop : {0.7, 0.85}) {
     std::atomic<bool> cancel{false};
     const Work::Report report = [&](double fraction, const std::string&) { cancel = fraction >= stop; };
-    EXPECT_THROW(so::optimize_solid({e}, small(Vec3i::Constant(32)), Work(&cancel, &report), gl.get()),
+    EXPECT_THROW(so::optimize_solid({e}, small(Vec3i::Constant(24)), Work(&cancel, &report), gl.get()),
                  Cancelled)
         << stop;
   }
