@@ -135,7 +135,7 @@ def main():
     while step < a.steps and not stop:
         random = np.random.default_rng([a.seed, step])
         x, mask, _ = batch_of(training, random.choice(len(training), a.batch), random, True)
-        rate = rate_at(step, a.steps, a.rate)
+        rate = rate_at(step, step / a.steps, a.rate)
         with torch.autocast("cpu", dtype=torch.bfloat16, enabled=half):
             out = network(x.contiguous(memory_format=torch.channels_last))
         loss = functional.binary_cross_entropy_with_logits(out.float()[:, 0], mask)
