@@ -60,8 +60,13 @@ std::string csv_of(const Table& table) {
 }
 
 std::string csv_of(const Profiles& profiles) {
-  Lines out({"section", "class", "area", "centroid_x", "centroid_y", "touches_border", "weight", "confidence",
-             "color_r", "color_g", "color_b"});
+  std::vector<std::string> header = {"section",    "class",          "area",   "centroid_x",
+                                     "centroid_y", "touches_border", "weight", "confidence",
+                                     "color_r",    "color_g",        "color_b"};
+  // A cut is what a table without these columns is taken for.
+  const bool cut = profiles.view == View::Section;
+  if (!cut) header.insert(header.end(), {"whole", "view"});
+  Lines out(header);
   for (const auto& p : profiles.profiles) {
     out.integer(p.section);
     out.integer(p.cls);
@@ -71,6 +76,10 @@ std::string csv_of(const Profiles& profiles) {
     out.number(p.weight);
     out.number(p.confidence);
     out.vector(p.color);
+    if (!cut) {
+      out.number(p.whole);
+      out.word(name_of(profiles.view));
+    }
     out.end();
   }
   return out.take();

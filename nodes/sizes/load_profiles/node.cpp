@@ -47,6 +47,13 @@ Profiles profiles_of(Context& c) {
       return read_profiles_json(text, file.string());
     }
     Profiles one = read_profiles(text, file.string(), unit, [&](const std::string& w) { c.warn(w); });
+    if (!all.profiles.empty() && one.view != all.view)
+      throw Error("several-files",
+                  fmt::format("'{}' shows a {}, but the files before it show a {}", file.string(),
+                              name_of(one.view), name_of(all.view)),
+                  "load files of one view")
+          .parameter("path");
+    all.view = one.view;
     for (auto& p : one.profiles) {
       p.section += all.sections;
       all.profiles.push_back(std::move(p));
@@ -57,12 +64,28 @@ Profiles profiles_of(Context& c) {
   return all;
 }
 
+// Takes what the parameter says, which must not contradict the file. Whole silhouettes that nobody measured
+// are the visible ones.
+void set_view(Context& c, Profiles& all) {
+  const std::string word = c.text("view");
+  for (const View asked : kViews) {
+    if (word != name_of(asked)) continue;
+    if (all.view != View::Section && asked != all.view)
+      throw Error("bad-value", fmt::format("the file says that the view is {}", name_of(all.view)),
+                  "leave out view, or correct the file")
+          .parameter("view");
+    all.view = asked;
+  }
+  for (Profile& p : all.profiles) p.whole = all.view == View::Surface ? std::max(p.whole, p.area) : 0;
+}
+
 // Areas are written with three digits or more, and so are their sum and the observed area. Profiles that fill
 // the section may exceed it by as much.
 constexpr double kRounding = 1e-3;
 
 void compute(Context& c) {
   Profiles all = profiles_of(c);
+  set_view(c, all);
   double sum = 0;
   for (const auto& p : all.profiles) sum += p.area;
   if (c.number("observed_area") > 0) {
@@ -103,6 +126,11 @@ NodeType load_profiles_node() {
               .range(0, 1e18)
               .doc_("Total area, over all sections, in which the profiles were counted. 0: what the JSON "
                     "file says; for tables, unknown, so densities are relative."))
+      .parameter(
+          Parameter::choice("view", "auto", {"auto", "section", "surface", "filling"})
+              .doc_("What the picture shows in which the profiles were measured: section, a cut through "
+                    "particles in a binder; surface, whole stones from outside; filling, a cut through "
+                    "grains without a binder. auto: what the file says, else a section."))
       .parameter(
           Parameter::choice("unit", "auto",
                             {"auto", "mm", "µm", "um", "nm", "cm", "m", "mm²", "µm²", "mm2", "um2"})

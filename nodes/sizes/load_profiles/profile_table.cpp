@@ -99,6 +99,12 @@ class Units {
   std::string assumed_;
 };
 
+View view_of(const MeasuredTable& table, std::size_t column) {
+  for (const View view : kViews)
+    if (table.text(column) == name_of(view)) return view;
+  table.malformed("'" + printable(table.text(column)) + "' is not a view: section, surface or filling");
+}
+
 }  // namespace
 
 std::optional<ProfileUnit> profile_unit(const std::string& name) {
@@ -129,6 +135,7 @@ Profiles read_profiles(const std::string& text, const std::string& file,
   const auto weight = table.column({"weight"}), border = table.column({"touchesborder"}),
              confidence = table.column({"confidence"});
   const auto x = table.column({"centroidx"}), y = table.column({"centroidy"});
+  const auto whole = table.column({"whole"}), view = table.column({"view"});
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
   Units units(table, file, unit);
@@ -157,6 +164,16 @@ Profiles read_profiles(const std::string& text, const std::string& file,
     if (border) p.touches_border = table.whole(*border) != 0;
     if (x && y) p.centroid = Vec2(table.number(*x), table.number(*y)).cwiseProduct(position);
     if (r && g && b) p.color = Vec3(table.number(*r), table.number(*g), table.number(*b)).cast<float>();
+    if (view) {
+      const View said = view_of(table, *view);
+      if (!out.profiles.empty() && said != out.view)
+        table.malformed(fmt::format("the view '{}' differs from that of the first row, {}", name_of(said),
+                                    name_of(out.view)));
+      out.view = said;
+    }
+    if (whole) p.whole = table.number(*whole) * units.factor(*whole, 2);
+    if (out.view == View::Surface && whole && p.whole < p.area)
+      table.malformed("a whole silhouette cannot be smaller than its visible area");
     out.sections = std::max(out.sections, p.section + 1);
     out.classes = std::max(out.classes, p.cls + 1);
     out.profiles.push_back(std::move(p));

@@ -23,8 +23,9 @@ std::optional<ProfileUnit> profile_unit(const std::string& name);
 // Reads a table whose cells are separated by tabs, semicolons, commas or blanks (CellReader). Columns are
 // found by name; case, units and text in brackets are ignored. Required is `area`, else `diameter` (also
 // `ecd`, `equivalent diameter`; area = π d²/4). Optional are `section` or `slice`, `class`, `weight`,
-// `confidence`, `touches_border`, `centroid_x`, `centroid_y`, `color_r`, `color_g`, `color_b`. A table of one
-// column without a header contains areas. Empty lines and lines that begin with # are skipped.
+// `confidence`, `touches_border`, `centroid_x`, `centroid_y`, `color_r`, `color_g`, `color_b`, `view` (the
+// same in all rows) and `whole`. A table of one column without a header contains areas. Empty lines and lines
+// that begin with # are skipped.
 //
 // Numbers are in the unit that the header of their column names, else in `unit`, else in that of the other
 // columns of lengths and areas, such as ImageJ's "Perim. (mm)", else in mm, with a warning. Rows of

@@ -4,9 +4,11 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
+#include "nodes/export/formats/csv.h"
 #include "nodes/sizes/load_profiles/profile_json.h"
 #include "nodes/sizes/load_profiles/profile_table.h"
 #include "runtime/json_text.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -68,6 +70,41 @@ TEST(LoadProfiles, OwnTablesComeBack) {
   EXPECT_EQ(p.profiles[1].section, 1);
   EXPECT_TRUE(p.profiles[1].touches_border);
   EXPECT_EQ(p.profiles[1].color, Vec3f(0.4f, 0.5f, 0.6f));
+}
+
+TEST(LoadProfiles, TablesOfASurfaceComeBack) {
+  Profiles p;
+  p.view = View::Surface;
+  for (int i = 0; i < 4; ++i) {
+    Profile one;
+    one.area = 1 + i;
+    one.whole = 1.5 + i;
+    one.color = Vec3f::Constant(0.4f);
+    p.profiles.push_back(one);
+  }
+  const Profiles back = read_profiles(exporting::csv_of(p), "p.csv", profile_unit("auto"));
+  EXPECT_EQ(back.view, View::Surface);
+  ASSERT_EQ(back.profiles.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(back.profiles[i].whole, p.profiles[i].whole);
+  EXPECT_FALSE(shows_loose_stones(back)) << "the color of the ground is not in the table";
+  for (const char* wrong : {"area,view,whole\n1,surface,2\n1,section,2\n", "area,view\n1,above\n",
+                            "area,view,whole\n1,surface,0.5\n"})
+    EXPECT_EQ(test::code_of([&] { read_profiles(wrong, "p.csv", profile_unit("auto")); }), "malformed-row")
+        << wrong;
+}
+
+TEST(LoadProfiles, TheViewOfATableCanBeTold) {
+  const auto folder = test::temporary_folder();
+  const auto run = [&](const char* table, const char* view) {
+    std::ofstream(folder / "t.csv") << table;
+    return test::run_node("LoadProfiles", {},
+                          {{"path", (folder / "t.csv").string()}, {"view", view}, {"unit", "mm"}});
+  };
+  const Profiles told = run("area\n2\n3\n", "surface").output<Profiles>("profiles");
+  EXPECT_EQ(told.view, View::Surface);
+  EXPECT_EQ(told.profiles[1].whole, 3);
+  EXPECT_EQ(run("area\n2\n3\n", "auto").output<Profiles>("profiles").view, View::Section);
+  EXPECT_EQ(test::code_of([&] { run("area,view\n2,surface\n", "filling"); }), "bad-value");
 }
 
 TEST(LoadProfiles, MalformedRowsAreNamed) {
