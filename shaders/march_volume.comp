@@ -37,8 +37,9 @@ uniform float place_level[kTissues * kScales];
 uniform float place_weight[kTissues * kScales];
 
 uniform ivec3 first, last;  // columns and rows to draw
+uniform int top;            // row of the picture that is stored first
 
-layout(std430, binding = 0) writeonly buffer Colors { float colors[]; };   // three per pixel, rows from the top
+layout(std430, binding = 0) writeonly buffer Colors { float colors[]; };   // three per pixel, from the row `top` downwards
 layout(std430, binding = 1) writeonly buffer Counts { uvec4 counted[]; };  // per work group: rays, samples, pieces, lookups
 
 shared uvec4 of_group[64];
@@ -250,7 +251,7 @@ void main() {
     for (int j = 0; j < samples; ++j)
       for (int i = 0; i < samples; ++i) sum += seen(vec2(at) + (vec2(i, j) + 0.5) / float(samples), counts);
     sum /= float(samples * samples);
-    int to = 3 * (at.y * picture.x + at.x);
+    int to = 3 * ((at.y - top) * picture.x + at.x);
     for (int c = 0; c < 3; ++c) colors[to + c] = sum[c];
   }
   of_group[gl_LocalInvocationIndex] = uvec4(counts);
@@ -258,6 +259,6 @@ void main() {
   if (gl_LocalInvocationIndex != 0u) return;
   uvec4 all = uvec4(0u);
   for (int i = 0; i < 64; ++i) all += of_group[i];
-  uint row = uint(first.y) / 8u + gl_WorkGroupID.y;
+  uint row = uint(first.y - top) / 8u + gl_WorkGroupID.y;
   counted[row * gl_NumWorkGroups.x + gl_WorkGroupID.x] = all;
 }

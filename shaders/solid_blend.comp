@@ -1,4 +1,4 @@
-// New voxel values from the overlapping matched patches: blend_patches() of nodes/solid_optimize. One invocation per
+// New voxel values from the overlapping matched patches: blend_patches() of nodes/solids/synthesis. One invocation per
 // voxel.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,4 +1,4 @@
-// Updates the copies beyond the ends of closed axes from their originals: copy_beyond() of nodes/solid_optimize, for
+// Updates the copies beyond the ends of closed axes from their originals: copy_beyond() of nodes/solids/synthesis, for
 // any 32-bit numbers.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;

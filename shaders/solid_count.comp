@@ -15,6 +15,7 @@ void main() {
   ivec3 at = first + ivec3(gl_GlobalInvocationID);
   if (at.x >= last.x || at.y >= last.y || at.z >= last.z) return;
   precise float x = (field[channel * voxels + (at.z * size.y + at.y) * size.x + at.x] - map_low) * map_scale;
+  x = x > 0.0 ? min(x, float(kBins) - 0.001) : 0.0;  // NaN too becomes 0
   int group = (at.x >> 3) + 7 * (at.y >> 3) + at.z;
-  atomicAdd(counts[(group % kCopies) * kBins + int(clamp(x, 0.0, float(kBins) - 0.001))], 1u);
+  atomicAdd(counts[(group % kCopies) * kBins + int(x)], 1u);
 }

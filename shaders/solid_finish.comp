@@ -68,7 +68,7 @@ void main() {
   precise float value = counting ? 0.0 : sum[voxel];
   for (int b = 0; b < kBands; ++b) {
     precise float x = (band[b] - map_low[b]) * map_scale[b];
-    x = clamp(x, 0.0, float(kBins) - 0.001);
+    x = x > 0.0 ? min(x, float(kBins) - 0.001) : 0.0;  // NaN too becomes 0
     int bin = int(x);
     if (counting) {
       atomicAdd(counts[((group % kCopies) * kBands + b) * kBins + bin], 1u);

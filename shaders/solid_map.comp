@@ -16,7 +16,7 @@ void main() {
   if (at.x >= last.x || at.y >= last.y || at.z >= last.z) return;
   int voxel = channel * voxels + (at.z * size.y + at.y) * size.x + at.x;
   precise float x = (field[voxel] - map_low) * map_scale;
-  x = clamp(x, 0.0, float(kBins) - 0.001);
+  x = x > 0.0 ? min(x, float(kBins) - 0.001) : 0.0;  // NaN too becomes 0
   int bin = int(x);
   vec2 b = maps[bin];
   precise float y = b.x + (x - float(bin)) * b.y;

@@ -1,4 +1,4 @@
-// One pass of the search over the patches of one family: search_locally() of nodes/solid_optimize, operation by
+// One pass of the search over the patches of one family: search_locally() of nodes/solids/synthesis, operation by
 // operation. One invocation per patch.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;

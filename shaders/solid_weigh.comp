@@ -1,4 +1,4 @@
-// Turns squared distances into weights: WeightTable of nodes/solid_optimize. One invocation per patch.
+// Turns squared distances into weights: WeightTable of nodes/solids/synthesis. One invocation per patch.
 #version 450
 layout(local_size_x = 8, local_size_y = 8) in;
 

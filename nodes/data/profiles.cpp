@@ -109,7 +109,6 @@ nlohmann::json describe(const Profiles& v) {
 bool shows_loose_stones(const Profiles& profiles) {
   if (profiles.view != View::Surface || profiles.profiles.empty()) return false;
   if (profiles.area_fraction >= kLooseCover) return true;
-  if (profiles.binder_color == Vec3f::Zero()) return false;  // unknown, as in tables
   std::vector<float> stones;
   for (const Profile& p : profiles.profiles) stones.push_back(luminance_of(p.color));
   const auto middle = stones.begin() + static_cast<std::ptrdiff_t>(stones.size() / 2);

@@ -48,15 +48,18 @@ std::vector<EGLDeviceEXT> devices_of(GlDevice kind) {
 }  // namespace
 
 struct EglContext::Handles {
-  EGLDisplay display = EGL_NO_DISPLAY;
-  EGLContext context = EGL_NO_CONTEXT;
+  EGLDisplay display = EGL_NO_DISPLAY, outer_display = eglGetCurrentDisplay();
+  EGLContext context = EGL_NO_CONTEXT, outer = eglGetCurrentContext();
   void start(EGLDeviceEXT device, GlDevice kind);
   ~Handles() {
     if (display == EGL_NO_DISPLAY) return;
     eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
     if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
     // All contexts of the process share EGL's display, so do not terminate it.
-    eglReleaseThread();
+    if (outer == EGL_NO_CONTEXT)
+      eglReleaseThread();
+    else
+      eglMakeCurrent(outer_display, EGL_NO_SURFACE, EGL_NO_SURFACE, outer);
   }
 };
 

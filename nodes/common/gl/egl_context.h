@@ -11,7 +11,9 @@ enum class GlDevice {
   Gpu   // the first EGL hardware device that works
 };
 
-// A core context, current on its creating thread, where it must be destroyed. One at a time per thread.
+// A core context, current on its creating thread, where it must be destroyed. Contexts of a thread nest: the
+// inner one gives way to the outer one again. So a thread that waits for others may run a task with a context
+// of its own meanwhile.
 class EglContext {
  public:
   // Throws Error "no-gl" if there is no such device, no EGL, or no OpenGL 4.5.

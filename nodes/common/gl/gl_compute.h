@@ -23,12 +23,16 @@ struct GlCompute {
 
   EglContext context;
   bool software;
-  const char* what;     // the data on the device, for messages
-  const char* smaller;  // what to do if it does not fit
+  // For messages.
+  struct Words {
+    const char* what;       // the data on the device
+    const char* smaller;    // what to do if it does not fit
+    const char* otherwise;  // how to do without the device
+  };
+  Words words;
   GLuint program = 0;
 
-  GlCompute(GlDevice device, const char* w, const char* s)
-      : context(device), software(device == GlDevice::Cpu), what(w), smaller(s) {}
+  GlCompute(GlDevice device, const Words& w) : context(device), software(device == GlDevice::Cpu), words(w) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
   TERRAZZO_GL(BindBuffer, PFNGLBINDBUFFERPROC);
   TERRAZZO_GL(BindBufferBase, PFNGLBINDBUFFERBASEPROC);
@@ -62,7 +66,13 @@ struct GlCompute {
   void set(const std::string& name, const Vec3i& v) const { Uniform3i(at(name), v.x(), v.y(), v.z()); }
   void set(const std::string& name, const Vec3f& v) const { Uniform3fv(at(name), 1, v.data()); }
 
-  void check() const { check_gl(context, what, smaller); }
+  void check() const { check_gl(context, words.what, words.smaller, words.otherwise); }
+
+  GLint64 largest_buffer() const {
+    GLint64 most = 0;
+    GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    return std::min<GLint64>(most, std::numeric_limits<std::int32_t>::max());
+  }
 
   // Copies part of a buffer to memory.
   void read(GLuint buffer, std::size_t from, std::size_t bytes, void* to);
@@ -77,7 +87,7 @@ struct GlCompute {
       go(z, std::min(z + batch, size.z()));
       DispatchCompute((size.x() + group - 1) / group, (size.y() + group - 1) / group,
                       std::min(batch, size.z() - z));
-      if (software) Finish();
+      Finish();
       work.done(z, size.z());
     }
     MemoryBarrier(GL_ALL_BARRIER_BITS);
@@ -93,7 +103,10 @@ struct GlCompute {
   }
 
  private:
+  void stage(std::size_t bytes);
+
   GLuint staging_ = 0;
+  std::size_t staging_bytes_ = 0;
   const char* staged_ = nullptr;
 };
 
@@ -111,14 +124,12 @@ struct GlBuffer {
   }
   // Throws Error "too-large-for-gl".
   void resize(std::size_t n, const void* data = nullptr) {
-    GLint64 most = 0;
-    gl.GetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
-    most = std::min<GLint64>(most, std::numeric_limits<std::int32_t>::max());
+    const GLint64 most = gl.largest_buffer();
     if (static_cast<GLint64>(n) > most)
       throw Error("too-large-for-gl",
-                  fmt::format("a buffer needs {} MB, more than the limit of {} MB on {}", n / 1000000,
-                              most / 1000000, gl.context.renderer()),
-                  gl.smaller)
+                  fmt::format("{}: a buffer needs {} MB, more than the limit of {} MB on {}", gl.words.what,
+                              n / 1000000, most / 1000000, gl.context.renderer()),
+                  gl.words.smaller)
           .parameter("device");
     bytes = n;
     gl.BindBuffer(GL_SHADER_STORAGE_BUFFER, name);

@@ -57,7 +57,7 @@ unsigned make_gl_program(const EglContext& context, const char* compute, const c
   return link(context, program, hint);
 }
 
-void check_gl(const EglContext& context, const char* what, const char* smaller_hint) {
+void check_gl(const EglContext& context, const char* what, const char* smaller_hint, const char* hint) {
   const GLenum code = context.function<PFNGLGETERRORPROC>("glGetError")();
   if (code == GL_NO_ERROR) return;
   if (code == GL_OUT_OF_MEMORY)
@@ -65,7 +65,7 @@ void check_gl(const EglContext& context, const char* what, const char* smaller_h
                 smaller_hint)
         .parameter("device");
   throw Error("no-gl", fmt::format("the driver {} failed with OpenGL error {}", context.renderer(), code),
-              "set device: cpu")
+              hint)
       .parameter("device");
 }
 

@@ -21,7 +21,8 @@ struct StencilSlicer::Gl : GlCompute {
   GLsizei indices = 0;
   GlBuffer bits;
 
-  explicit Gl(GlDevice device) : GlCompute(device, "the stencil buffer", "use method: slice"), bits(*this) {}
+  explicit Gl(GlDevice device)
+      : GlCompute(device, {"the stencil buffer", "use method: slice", "use method: slice"}), bits(*this) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
   TERRAZZO_GL(BindFramebuffer, PFNGLBINDFRAMEBUFFERPROC);
   TERRAZZO_GL(BindTexture, PFNGLBINDTEXTUREPROC);

@@ -28,7 +28,7 @@ std::string text_of(const std::filesystem::path& file, Context& c) {
 }
 
 // The profiles of tables, or of one JSON file.
-Profiles profiles_of(Context& c) {
+Profiles profiles_of(Context& c, bool& json) {
   const auto unit = profile_unit(c.text("unit"));
   Profiles all;
   all.sections = 0;
@@ -44,6 +44,7 @@ Profiles profiles_of(Context& c) {
       if (unit && unit->length != 1)
         throw Error("bad-value", "'" + file.string() + "' is JSON, which is in mm", "leave out the unit")
             .parameter("unit");
+      json = true;
       return read_profiles_json(text, file.string());
     }
     Profiles one = read_profiles(text, file.string(), unit, [&](const std::string& w) { c.warn(w); });
@@ -64,9 +65,16 @@ Profiles profiles_of(Context& c) {
   return all;
 }
 
+Vec3f mean_color(const std::vector<Profile>& profiles) {
+  Vec3f sum = Vec3f::Zero();
+  for (const Profile& p : profiles) sum += p.color;
+  return sum / static_cast<float>(std::max<std::size_t>(1, profiles.size()));
+}
+
 // Takes what the parameter says, which must not contradict the file. Whole silhouettes that nobody measured
-// are the visible ones.
-void set_view(Context& c, Profiles& all) {
+// are the visible ones. Tables do not have the color of the ground: that of the stones keeps it from being
+// taken for shadow.
+void set_view(Context& c, bool json, Profiles& all) {
   const std::string word = c.text("view");
   for (const View asked : kViews) {
     if (word != name_of(asked)) continue;
@@ -76,6 +84,7 @@ void set_view(Context& c, Profiles& all) {
           .parameter("view");
     all.view = asked;
   }
+  if (all.view == View::Surface && !json) all.binder_color = mean_color(all.profiles);
   for (Profile& p : all.profiles) p.whole = all.view == View::Surface ? std::max(p.whole, p.area) : 0;
 }
 
@@ -84,8 +93,9 @@ void set_view(Context& c, Profiles& all) {
 constexpr double kRounding = 1e-3;
 
 void compute(Context& c) {
-  Profiles all = profiles_of(c);
-  set_view(c, all);
+  bool json = false;
+  Profiles all = profiles_of(c, json);
+  set_view(c, json, all);
   double sum = 0;
   for (const auto& p : all.profiles) sum += p.area;
   if (c.number("observed_area") > 0) {

@@ -135,7 +135,9 @@ Profiles read_profiles(const std::string& text, const std::string& file,
   const auto weight = table.column({"weight"}), border = table.column({"touchesborder"}),
              confidence = table.column({"confidence"});
   const auto x = table.column({"centroidx"}), y = table.column({"centroidy"});
-  const auto whole = table.column({"whole"}), view = table.column({"view"});
+  // Both are Export's; alone, they mean something else.
+  auto whole = table.column({"whole"}), view = table.column({"view"});
+  if (!whole || !view) whole = view = std::nullopt;
   const auto r = table.column({"colorr"}), g = table.column({"colorg"}), b = table.column({"colorb"});
 
   Units units(table, file, unit);

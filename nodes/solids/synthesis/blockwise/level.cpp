@@ -184,7 +184,7 @@ BlockRegion BlockLevels::run(int level, const TorusBox& wanted, Upto upto, const
   tell(0.3, gl_ ? "upload" : "match");
   std::vector<std::vector<FinishMaps>> maps = known.finish;
   const BlockFinish finish{bands_, plan.finish, core ? measured->finish : maps, core, targets.finished};
-  // The sources are the processor's, and so is what follows them.
+  // The device cannot keep sources: then the last blend and the finish run on the processor.
   const bool finished = gl_ && !sources && !plan.finish.empty();
   if (gl_) {
     gl_->run(passes, to_blend && !sources, measuring, finished ? &finish : nullptr, region, own.part(0, 0.8));

@@ -27,7 +27,7 @@ TorusBox probe_box(const Vec3i& level, const BlockwiseLimits&);
 class BlockLevels {
  public:
   // `iterations` has one entry per level. All arguments must outlive this object. If `gl` is set, it makes
-  // the parts, except for the finish.
+  // the parts, except for the last blend and the finish where sources are kept.
   BlockLevels(const std::vector<SolidExemplar>& working, const std::vector<Pyramid>&, const SolidOptions&,
               const std::vector<int>& iterations, int channels, const WholeLevel&, BlockGl* gl = nullptr);
 

@@ -208,7 +208,9 @@ void measure_planes(const std::vector<SolidExemplar>& working, const SolidOption
   }
   std::vector<double> floors(working.size());
   work.quiet().parallel(floors.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e) floors[e] = patch_floor(working[e], work.quiet());
+    for (std::size_t e = begin; e < end; ++e)
+      if (std::find(s.plane.begin(), s.plane.end(), static_cast<int>(e)) != s.plane.end())
+        floors[e] = patch_floor(working[e], work.quiet());
   });
   work.quiet().parallel(out.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -86,8 +86,7 @@ TEST(LoadProfiles, TablesOfASurfaceComeBack) {
   EXPECT_EQ(back.view, View::Surface);
   ASSERT_EQ(back.profiles.size(), 4u);
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(back.profiles[i].whole, p.profiles[i].whole);
-  EXPECT_FALSE(shows_loose_stones(back)) << "the color of the ground is not in the table";
-  for (const char* wrong : {"area,view,whole\n1,surface,2\n1,section,2\n", "area,view\n1,above\n",
+  for (const char* wrong : {"area,view,whole\n1,surface,2\n1,section,2\n", "area,view,whole\n1,above,2\n",
                             "area,view,whole\n1,surface,0.5\n"})
     EXPECT_EQ(test::code_of([&] { read_profiles(wrong, "p.csv", profile_unit("auto")); }), "malformed-row")
         << wrong;
@@ -103,8 +102,9 @@ TEST(LoadProfiles, TheViewOfATableCanBeTold) {
   const Profiles told = run("area\n2\n3\n", "surface").output<Profiles>("profiles");
   EXPECT_EQ(told.view, View::Surface);
   EXPECT_EQ(told.profiles[1].whole, 3);
+  EXPECT_FALSE(shows_loose_stones(told)) << "the color of the ground is not in the table";
   EXPECT_EQ(run("area\n2\n3\n", "auto").output<Profiles>("profiles").view, View::Section);
-  EXPECT_EQ(test::code_of([&] { run("area,view\n2,surface\n", "filling"); }), "bad-value");
+  EXPECT_EQ(test::code_of([&] { run("area,view,whole\n2,surface,2\n", "filling"); }), "bad-value");
 }
 
 TEST(LoadProfiles, MalformedRowsAreNamed) {

@@ -71,6 +71,29 @@ TEST(GlMarch, PicturesEqualTheProcessors) {
   }
 }
 
+TEST(GlMarch, AContextGivesWayToOneWithin) {
+  try {
+    EglContext probe(GlDevice::Cpu);
+  } catch (const Error& e) {
+    GTEST_SKIP() << e.what();
+  }
+  Look look;
+  look.width = 40;
+  look.height = 24;
+  const Scene scene = scene_of(look, false);
+  const Bricks bricks(scene.scan, scene.intervals);
+  const Frame frame = frame_of(scene, 20);
+  FrameCounts counts;
+  GlMarcher outer(scene, bricks, GlDevice::Cpu);
+  const auto before = outer.march(frame, counts);
+  {
+    GlMarcher inner(scene, bricks, GlDevice::Cpu);
+    EXPECT_EQ(inner.march(frame, counts), before);
+  }
+  EXPECT_NE(outer.march(frame_of(scene, 90), counts), before);
+  EXPECT_EQ(outer.march(frame, counts), before);
+}
+
 TEST(GlMarch, RefusesWhatTheShaderHasNoRoomFor) {
   try {
     EglContext probe(GlDevice::Cpu);
