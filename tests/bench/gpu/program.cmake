@@ -17,7 +17,7 @@ gpu_files(nodes/common/texture band_statistics color lane_fft noise quantiles sl
 gpu_files(nodes/data image shapes)
 gpu_files(nodes/shapes/shape closed_form solids)
 gpu_files(nodes/sizes/kmatrix analytic grid_sweep slice stencil stencil_slicer)
-gpu_files(nodes/solids/synthesis/blockwise blocks finish gl level passes probe search statistics)
+gpu_files(nodes/solids/synthesis/blockwise blocks finish gl gl_finish level passes probe search statistics)
 gpu_files(nodes/solids/synthesis/exemplar colors exemplar_levels finest_bands guide patch_space patch_tree)
 gpu_files(nodes/solids/synthesis/matching blend matches search torus_box)
 gpu_files(nodes/solids/synthesis optimize_solid)

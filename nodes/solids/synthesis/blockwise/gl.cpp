@@ -8,15 +8,13 @@
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/gl/gl_program.h"
 #include "nodes/data/indices.h"
-#include "nodes/solids/synthesis/blockwise/gl_buffers.h"
+#include "nodes/solids/synthesis/blockwise/gl_run.h"
 #include "nodes/solids/synthesis/matching/weights.h"
-#include "nodes/solids/synthesis/whole/finish.h"
 
 namespace terrazzo::solids {
 namespace {
 
 constexpr const char* kHint = "set device: cpu, or install a newer driver";
-constexpr std::size_t kCopies = 16;  // of each histogram, as in the shaders
 
 }  // namespace
 
@@ -33,68 +31,6 @@ BlockGl::BlockGl(GlDevice device) : gl_(std::make_unique<Gl>(device)) {
 BlockGl::~BlockGl() = default;
 
 const std::string& BlockGl::renderer() const { return gl_->context.renderer(); }
-
-// The passes over one region, whose arrays are on the device while this lives.
-class BlockGl::Run {
- public:
-  Run(Gl&, const BlockPasses&, BlockProbe*, BlockRegion&, const Work&);
-
-  void run(bool to_blend, const BlockFinish*);
-
- private:
-  // Waits for the device, so that the note tells what it does.
-  void stage(double done, const char* note) const {
-    gl_.Finish();
-    work_.progress(done, note);
-  }
-  void upload_exemplars();
-  void upload_matches();
-  void download_field();
-  void download_weights();
-  void download_matches();
-
-  // Blend `i` and the map of values after it.
-  void blend(std::size_t i, const Work&);
-  void blend_patches(std::size_t i, const Vec3i& first, const Vec3i& last, const Work&);
-  // Applies a map to a channel's values in a range, and updates their copies.
-  void map_values(std::size_t channel, const Remap&, const Vec3i& first, const Vec3i& last);
-  // The map of a channel's values in a box to the wanted ones.
-  ValueMap measured_values(std::size_t channel, const TorusBox&, const Quantiles& wanted);
-  // The counts of `maps` histograms that a program counted.
-  std::vector<Remap::Counts> counted(std::size_t maps);
-  void finish(const BlockFinish&, const Work&);
-  void finish_round(const BlockFinish&, std::size_t channel, const TorusBox&, FinishMaps&);
-  // Prepares the program for the bands of a channel across a family's axis, and runs it over a box.
-  void split_bands(const NeighborField&, std::size_t channel, const std::vector<Remap>&, bool counting,
-                   const TorusBox&);
-  // The search of iteration `i` in the slices of family `k`.
-  void search(std::size_t i, std::size_t k, const Work&);
-  void set_exemplar(const NeighborField&);
-  void set_random_numbers(std::size_t i, const NeighborField&);
-  // Turns squared distances into weights.
-  void weigh(std::size_t i, std::size_t k);
-  // Copies what lies beyond one period of closed lines from its originals.
-  void copy_beyond(const GlBuffer& what, std::size_t first, const Vec3i& size, const Vec3i& at);
-
-  // The patches of a family over a box: columns, rows and slices.
-  struct PatchBox {
-    Vec3i first, last;
-  };
-  PatchBox patches_over(const TorusBox&, const NeighborField&) const;
-
-  Gl& gl_;
-  const BlockPasses& passes_;
-  BlockProbe* probe_;
-  BlockRegion& region_;
-  const Work& work_;
-  const TorusLines& lines_;
-  std::size_t channels_, voxels_;
-  LineTables tables_;
-  GlBuffer field_, matches_, next_, weight_, numbers_, texels_, maps_, table_, counts_, sum_;
-  std::vector<ExemplarBuffers> exemplars_;
-  std::vector<int> first_texel_;          // of each exemplar
-  std::vector<std::size_t> first_match_;  // of each family
-};
 
 BlockGl::Run::Run(Gl& gl, const BlockPasses& passes, BlockProbe* probe, BlockRegion& region, const Work& work)
     : gl_(gl),
@@ -227,47 +163,6 @@ void BlockGl::Run::blend_patches(std::size_t i, const Vec3i& first, const Vec3i&
   gl_.dispatch(first, last, work);
 }
 
-void BlockGl::Run::map_values(std::size_t channel, const Remap& map, const Vec3i& first, const Vec3i& last) {
-  maps_.fill(map.bins());
-  gl_.use(gl_.map);
-  field_.bind(0);
-  maps_.bind(6);
-  gl_.set("voxels", static_cast<int>(voxels_));
-  gl_.set("size", region_.field.size);
-  gl_.set("channel", static_cast<int>(channel));
-  gl_.set("map_low", map.low());
-  gl_.set("map_scale", map.scale());
-  gl_.dispatch(first, last, work_.quiet());
-  const Vec3i originals(tables_.voxels[0], tables_.voxels[1], tables_.voxels[2]);
-  copy_beyond(field_, channel * voxels_, region_.field.size, originals);
-}
-
-std::vector<Remap::Counts> BlockGl::Run::counted(std::size_t maps) {
-  std::vector<std::uint32_t> all(kCopies * maps * Remap::kBins);
-  counts_.read(0, all);
-  std::vector<Remap::Counts> out(maps, Remap::Counts(Remap::kBins, 0));
-  for (std::size_t i = 0; i < all.size(); ++i) out[i / Remap::kBins % maps][i % Remap::kBins] += all[i];
-  return out;
-}
-
-ValueMap BlockGl::Run::measured_values(std::size_t channel, const TorusBox& box, const Quantiles& wanted) {
-  Remap map(wanted);
-  counts_.resize(kCopies * Remap::kBins * sizeof(std::uint32_t));
-  counts_.clear();
-  gl_.use(gl_.count);
-  field_.bind(0);
-  counts_.bind(2);
-  gl_.set("voxels", static_cast<int>(voxels_));
-  gl_.set("size", region_.field.size);
-  gl_.set("channel", static_cast<int>(channel));
-  gl_.set("map_low", map.low());
-  gl_.set("map_scale", map.scale());
-  const Vec3i from(lines_[0].from, lines_[1].from, lines_[2].from);
-  gl_.dispatch(box.lo - from, box.hi - from, work_.quiet());
-  map.finish(counted(1)[0]);
-  return ValueMap(Remap(map.low(), map.scale(), map.bins()));
-}
-
 BlockGl::Run::PatchBox BlockGl::Run::patches_over(const TorusBox& box, const NeighborField& f) const {
   const std::size_t axis = f.axis;
   const int ua = kSliceColumns[axis], va = kSliceRows[axis];
@@ -351,80 +246,6 @@ void BlockGl::Run::weigh(std::size_t i, std::size_t k) {
                         tables_.voxels[axis]);
   copy_beyond(matches_, first_match_[k], size, originals);
   copy_beyond(weight_, first_match_[k], size, originals);
-}
-
-void BlockGl::Run::split_bands(const NeighborField& f, std::size_t channel, const std::vector<Remap>& maps,
-                               bool counting, const TorusBox& box) {
-  const std::size_t axis = f.axis;
-  const int ua = kSliceColumns[axis], va = kSliceRows[axis];
-  const Vec3i& stored = region_.field.size;
-  const Vec3i steps(1, stored.x(), stored.x() * stored.y());
-  const auto turned = [&](const Vec3i& v) { return Vec3i(v[ua], v[va], v[f.axis]); };
-  const Vec3i from(lines_[0].from, lines_[1].from, lines_[2].from);
-  gl_.use(gl_.finish);
-  field_.bind(0);
-  sum_.bind(1);
-  counts_.bind(2);
-  maps_.bind(6);
-  gl_.set("voxels", static_cast<int>(voxels_));
-  gl_.set("channel", static_cast<int>(channel));
-  gl_.set("size", turned(stored));
-  gl_.set("stride", turned(steps));
-  gl_.set("counting", static_cast<int>(counting));
-  gl_.set("share", finish_share(region_.families.size()));
-  for (std::size_t b = 0; b < maps.size(); ++b) {
-    gl_.set(fmt::format("map_low[{}]", b), maps[b].low());
-    gl_.set(fmt::format("map_scale[{}]", b), maps[b].scale());
-  }
-  constexpr int kTile = 16;  // as in the shader
-  gl_.dispatch(turned(box.lo - from), turned(box.hi - from), work_.quiet(), kTile);
-}
-
-void BlockGl::Run::finish_round(const BlockFinish& finish, std::size_t channel, const TorusBox& box,
-                                FinishMaps& maps) {
-  const auto& families = region_.families;
-  if (finish.measured)
-    for (const NeighborField& f : families) {
-      std::vector<Remap> bands;
-      for (const Quantiles& wanted : finish.bands[f.exemplar][channel]) bands.emplace_back(wanted);
-      counts_.resize(kCopies * bands.size() * Remap::kBins * sizeof(std::uint32_t));
-      counts_.clear();
-      split_bands(f, channel, bands, true, *finish.measured);
-      const auto counts = counted(bands.size());
-      maps.bands.emplace_back();
-      for (std::size_t b = 0; b < bands.size(); ++b) {
-        bands[b].finish(counts[b]);
-        maps.bands.back().emplace_back(Remap(bands[b].low(), bands[b].scale(), bands[b].bins()));
-      }
-    }
-  field_.copy(channel * voxels_ * sizeof(float), sum_, 0, voxels_ * sizeof(float));
-  for (std::size_t k = 0; k < families.size(); ++k) {
-    std::vector<Remap> bands;
-    std::vector<Remap::Bin> bins;
-    for (const ValueMap& m : maps.bands[k]) {
-      bands.push_back(m.map());
-      bins.insert(bins.end(), m.map().bins().begin(), m.map().bins().end());
-    }
-    maps_.fill(bins);
-    split_bands(families[k], channel, bands, false, box);
-  }
-  sum_.copy(0, field_, channel * voxels_ * sizeof(float), voxels_ * sizeof(float));
-  if (finish.measured)
-    maps.values.push_back(measured_values(channel, *finish.measured, finish.values[channel]));
-  map_values(channel, maps.values[0].map(), Vec3i::Zero(), region_.field.size);
-}
-
-void BlockGl::Run::finish(const BlockFinish& finish, const Work& work) {
-  const std::size_t rounds = finish.boxes.size();
-  if (finish.measured) finish.maps.assign(channels_, std::vector<FinishMaps>(rounds));
-  sum_.resize(voxels_ * sizeof(float));
-  counts_.resize(sizeof(std::uint32_t));  // bound even where nothing is counted
-  maps_.resize(sizeof(Remap::Bin));       // likewise where nothing is mapped
-  for (std::size_t c = 0; c < channels_; ++c)
-    for (std::size_t r = 0; r < rounds; ++r) {
-      finish_round(finish, c, finish.boxes[r], finish.maps[c][r]);
-      work.done(c * rounds + r + 1, channels_ * rounds);
-    }
 }
 
 void BlockGl::Run::run(bool to_blend, const BlockFinish* finishing) {
