@@ -123,13 +123,14 @@ void render_baseline_every_step(benchmark::State& state) {
 }
 BENCHMARK(render_baseline_every_step)->Unit(benchmark::kMillisecond)->UseRealTime();
 
-void render_gl(benchmark::State& state, GlDevice device, bool textured, int step) {
-  const Scene s = with(textured, false);
+// terrazzo_gpu measures GPUs (tests/bench/gpu).
+void render_llvmpipe(benchmark::State& state) {
+  const Scene s = with(false, false);
   const Bricks bricks(s.scan, s.intervals);
   try {
-    GlMarcher gl(s, bricks, device);
+    GlMarcher gl(s, bricks, GlDevice::Cpu);
     state.SetLabel(gl.renderer());
-    turn(state, s, step, [&](const Frame& f) {
+    turn(state, s, 12, [&](const Frame& f) {
       FrameCounts c;
       benchmark::DoNotOptimize(gl.march(f, c));
     });
@@ -137,11 +138,6 @@ void render_gl(benchmark::State& state, GlDevice device, bool textured, int step
     state.SkipWithError(e.what());
   }
 }
-void render_gpu_plain(benchmark::State& state) { render_gl(state, GlDevice::Gpu, false, 1); }
-BENCHMARK(render_gpu_plain)->Unit(benchmark::kMillisecond)->UseRealTime();
-void render_gpu_textured(benchmark::State& state) { render_gl(state, GlDevice::Gpu, true, 1); }
-BENCHMARK(render_gpu_textured)->Unit(benchmark::kMillisecond)->UseRealTime();
-void render_llvmpipe(benchmark::State& state) { render_gl(state, GlDevice::Cpu, false, 12); }
 BENCHMARK(render_llvmpipe)->Unit(benchmark::kMillisecond)->UseRealTime();
 
 void render_vase_64(benchmark::State& state) {
