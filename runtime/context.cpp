@@ -20,6 +20,7 @@ const Value& Context::value(const std::string& name) const {
 
 const std::vector<Value>& Context::list(const std::string& name) const {
   static const std::vector<Value> none;
+  if (later_.count(name)) undeclared("list() on the input '" + name + "', whose values only nth() gives");
   const auto it = inputs_.find(name);
   return it == inputs_.end() ? none : it->second;
 }

@@ -177,6 +177,9 @@ TEST_F(StrangersFile, OpensNoOtherGraph) {
 
 TEST_F(Reproduce, ShowWritesAnyValue) {
   for (const auto& [output, file] : {std::pair{"pack.particles", "p.glb"},
+                                     {"pack.particles", "p.usda"},
+                                     {"pack.particles", "p.xml"},
+                                     {"pack.particles", "p.pbrt"},
                                      {"pack.particles", "p.csv"},
                                      {"voxels.volume", "v.vdb"},
                                      {"shape.shapes", "s.obj"},

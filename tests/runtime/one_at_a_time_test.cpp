@@ -50,5 +50,12 @@ TEST_F(OneAtATime, ComputedInTheSameRunTheyAreTheSame) {
   EXPECT_EQ(sum, 210);
 }
 
+TEST_F(OneAtATime, ANodeThatAsksForTheWholeListIsTold) {
+  const RunResult r = run("ListInTurn", 2);
+  ASSERT_EQ(r.nodes.back().status, Status::Failed);
+  ASSERT_TRUE(r.nodes.back().error);
+  EXPECT_EQ(r.nodes.back().error->code, "node-bug");
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -64,6 +64,10 @@ const Registry& arithmetic() {
                })
               .input_list("in", {"Table"}, "in")
               .one_at_a_time());
+    r.add(type("ListInTurn",
+               [](Context& c) { c.output("out", table(static_cast<double>(c.list("in").size()))); })
+              .input_list("in", {"Table"}, "in")
+              .one_at_a_time());
     r.add(type("FileSize", [](Context& c) {
             double sum = 0;
             for (const auto& f : c.files("path")) sum += static_cast<double>(std::filesystem::file_size(f));

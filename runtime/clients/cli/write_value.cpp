@@ -2,6 +2,7 @@
 
 #include <deque>
 #include <optional>
+#include <set>
 
 namespace terrazzo::cli {
 namespace fs = std::filesystem;
@@ -44,8 +45,9 @@ int append_writer(const Registry& registry, Graph& graph, const Wire& wire, cons
     node.type = type;
     node.place = {"command line (-o)", 0, 0};
     node.inputs[port->name] = {wire};
-    // glTF stores particles as mesh instances, and the particles value contains no meshes.
-    if (type_of(graph, wire) == "Particles" && file.extension() == ".glb")
+    // Scenes store particles as mesh instances, and the particles value contains no meshes.
+    const std::set<std::string> scenes = {".glb", ".usda", ".xml", ".pbrt"};
+    if (type_of(graph, wire) == "Particles" && scenes.count(file.extension().string()))
       if (const auto shapes = nearest_upstream(graph, wire, "Shapes"))
         for (const auto& p : type->inputs)
           if (!p.types.empty() && p.accepts("Shapes")) node.inputs[p.name] = {*shapes};

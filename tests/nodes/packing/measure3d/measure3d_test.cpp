@@ -1,4 +1,5 @@
 // The node: particles from meshes and labels, periodicity, phases, errors.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "nodes/data/image.h"
