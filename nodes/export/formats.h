@@ -19,7 +19,7 @@ struct Format {
   void (*write)(const Job&) = nullptr;
 };
 
-// A new format is a line in this list and a function in writers.h.
+// README.md lists the places of a new format.
 const std::vector<Format>& formats();
 
 // By the end of the file name. Throws Error "unknown-format".

@@ -6,8 +6,8 @@
 
 namespace terrazzo::test {
 
-// Constant(value), Add(a, b), Clamp(in, low, high), Sum(in: list), SumInTurn(in: list), ListInTurn(in: list; a bug),
-// FileSize(path), Fail(in), Endless(), Write(in, path), Sketch(value, wait)
+// Constant(value), Add(a, b), Clamp(in, low, high), Sum(in: list), SumInTurn(in: list), ListInTurn(in: list;
+// a bug), FileSize(path), Fail(in), Endless(), Write(in, path), Sketch(value, wait)
 const Registry& arithmetic();
 const ValueTypes& value_types();
 

@@ -300,10 +300,11 @@ void add_method_parameters(NodeType& type) {
                     "every place where the colors of the phases are distinct, and takes the clusters alone "
                     "unless another result "
                     "can be expected to be better. The metrics that start with reliability tell why."))
-      .parameter(Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
-                     .doc_("Network of method network, an ONNX file; see the README for its inputs and "
-                           "outputs. built_in: "
-                           "the one that comes with the program."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::InputPath, "model", "built_in")
+              .doc_("Network of method network, an ONNX file; see training/README.md for its inputs and "
+                    "outputs. built_in: "
+                    "the one that comes with the program."))
       .parameter(Parameter::optional_number("network_scale", "auto")
                      .range(0.05, 1)
                      .doc_("Reduction of the picture before the network sees it. Try 0.5 if large particles "

@@ -63,9 +63,11 @@ TEST(ExportFormats, AreThoseRecordedForItsVersion) {
   if (recorded.at("machine") != test::this_machine())
     GTEST_SKIP() << "files were recorded on another kind of machine";
   const json now = all_files();
-  for (const auto& [name, files] : now.items())
-    EXPECT_EQ(files, recorded.at("files").value(name, json()))
+  for (const auto& [name, files] : now.items()) {
+    ASSERT_TRUE(recorded.at("files").contains(name)) << name << " is new: " << renew;
+    EXPECT_EQ(files, recorded.at("files").at(name))
         << "the format of " << name << " changed: raise the version of Export, then " << renew;
+  }
 }
 
 }  // namespace
