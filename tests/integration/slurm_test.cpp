@@ -289,9 +289,12 @@ TEST_F(Slurm, AVanishedCacheCostsTimeOnly) {
   // What all points share is computed again once, and not by each worker.
   EXPECT_NE(done.err.find("has lost what all points share"), std::string::npos) << done.err;
   EXPECT_EQ(count_events(folder / "out/jobs/shared.jsonl", "finished"), 2);
-  for (int i = 1; i <= 24; ++i)
-    for (const auto& node : json::parse(*read_file(report_of(folder / "out", i))).at("nodes"))
+  for (int i = 1; i <= 24; ++i) {
+    const json nodes = json::parse(*read_file(report_of(folder / "out", i))).at("nodes");
+    ASSERT_FALSE(nodes.empty()) << i;
+    for (const auto& node : nodes)
       EXPECT_FALSE(node.at("name") == "shape" && node.at("status") == "computed") << i;
+  }
   expect_completed(done);
 }
 

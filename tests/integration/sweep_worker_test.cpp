@@ -120,9 +120,12 @@ TEST_F(SweepWorker, ComputesWhatIsSharedOnceBefore) {
   ASSERT_EQ(worker({"--shared"}).exit_code, 0);
   EXPECT_EQ(events("shared").back().at("computed"), 2);  // pattern and photo
   ASSERT_EQ(worker({"--chunk", "0/1"}).exit_code, 0);
-  for (int i = 1; i <= 5; ++i)
-    for (const auto& node : report("out", i).at("nodes"))
+  for (int i = 1; i <= 5; ++i) {
+    const json nodes = report("out", i).at("nodes");
+    ASSERT_FALSE(nodes.empty());
+    for (const auto& node : nodes)
       EXPECT_EQ(node.at("status") == "computed", node.at("name") == "grain" || node.at("name") == "copy");
+  }
 }
 
 TEST_F(SweepWorker, RefusesWhatItWouldComputeDifferently) {
