@@ -12,7 +12,7 @@
 
 #include "nodes/detail/residual_synth/synthesize.h"
 #include "nodes/solids/synthesis/optimize_solid.h"
-#include "runtime/random.h"
+#include "tests/bench/blobs.h"
 
 namespace terrazzo {
 namespace {
@@ -20,29 +20,6 @@ using namespace residual_synth;
 namespace so = solids;
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
-
-// Value-noise blobs with a rim, plus grain.
-so::SolidExemplar blobs(int side) {
-  so::SolidExemplar e;
-  e.width = e.height = side;
-  const auto lattice = [](int i, int j) {
-    return Random(3, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j)).uniform();
-  };
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const double u = x / 7.0, v = y / 7.0, fu = u - std::floor(u), fv = v - std::floor(v);
-      const int i = static_cast<int>(u), j = static_cast<int>(v);
-      const double n = (1 - fv) * ((1 - fu) * lattice(i, j) + fu * lattice(i + 1, j)) +
-                       fv * ((1 - fu) * lattice(i, j + 1) + fu * lattice(i + 1, j + 1));
-      const double t = 1 / (1 + std::exp(-25 * (n - 0.5))), rim = std::exp(-400 * (n - 0.5) * (n - 0.5));
-      const double grain = 0.03 * Random(4, 0, static_cast<std::uint64_t>(y) * side + x).normal();
-      e.pixels.push_back(Vec3f(static_cast<float>(0.15 + 0.6 * t + grain),
-                               static_cast<float>(0.2 + 0.3 * t + 0.3 * rim + grain),
-                               static_cast<float>(0.4 - 0.2 * t + grain))
-                             .cwiseMax(0.0f));
-    }
-  return e;
-}
 
 struct Made {
   double seconds, patches = 0, histogram = 0, finest = 1, copied = 0;
@@ -62,7 +39,7 @@ Made make(int side, bool reference, bool blockwise = false) {
     s.finish = 1;
   }
   const double start = cpu_seconds();
-  const auto r = so::optimize_solid({blobs(side)}, s, Work());
+  const auto r = so::optimize_solid({bench::blobs(side)}, s, Work());
   Made m{cpu_seconds() - start};
   for (const auto& p : r.measures) {
     m.patches = std::max(m.patches, p.patches);
@@ -111,7 +88,7 @@ BENCHMARK(solid_local)->Arg(64)->Arg(128)->Iterations(1)->Unit(benchmark::kSecon
 
 // The residual of grain of several sizes along one color axis, on all cores.
 void solid_residual(benchmark::State& state) {
-  const auto e = blobs(256);
+  const auto e = bench::blobs(256);
   Image image(256, 256, 1, 1);
   image.pixels = e.pixels;
   Vec3f mean = Vec3f::Zero();

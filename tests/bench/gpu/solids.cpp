@@ -6,35 +6,12 @@
 
 #include "nodes/solids/synthesis/blockwise/blocks.h"
 #include "nodes/solids/synthesis/optimize_solid.h"
-#include "runtime/random.h"
+#include "tests/bench/blobs.h"
 #include "tests/bench/gpu/measure.h"
 
 namespace terrazzo::gpu {
 namespace {
 namespace so = solids;
-
-// Value noise: blobs with a rim, and grain.
-so::SolidExemplar blobs(int side) {
-  so::SolidExemplar e;
-  e.width = e.height = side;
-  const auto lattice = [](int i, int j) {
-    return Random(3, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j)).uniform();
-  };
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) {
-      const double u = x / 7.0, v = y / 7.0, fu = u - std::floor(u), fv = v - std::floor(v);
-      const int i = static_cast<int>(u), j = static_cast<int>(v);
-      const double n = (1 - fv) * ((1 - fu) * lattice(i, j) + fu * lattice(i + 1, j)) +
-                       fv * ((1 - fu) * lattice(i, j + 1) + fu * lattice(i + 1, j + 1));
-      const double t = 1 / (1 + std::exp(-25 * (n - 0.5))), rim = std::exp(-400 * (n - 0.5) * (n - 0.5));
-      const double grain = 0.03 * Random(4, 0, static_cast<std::uint64_t>(y) * side + x).normal();
-      e.pixels.push_back(Vec3f(static_cast<float>(0.15 + 0.6 * t + grain),
-                               static_cast<float>(0.2 + 0.3 * t + 0.3 * rim + grain),
-                               static_cast<float>(0.4 - 0.2 * t + grain))
-                             .cwiseMax(0.0f));
-    }
-  return e;
-}
 
 // Attributes the seconds between reports to the stage that the last note named.
 class Stages {
@@ -98,7 +75,7 @@ std::string text_of(const std::map<std::string, double>& stages) {
 
 void measure_solid(const Options& o, so::BlockGl& gl, int side, double whole, int parts, const Tell& tell) {
   if (side > o.most) return;
-  const so::SolidExemplar exemplar = blobs(o.quick ? 48 : 128);
+  const so::SolidExemplar exemplar = bench::blobs(o.quick ? 48 : 128);
   so::SolidOptions s;
   s.method = so::SolidMethod::Blockwise;
   s.size = Vec3i::Constant(side);
