@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/indices.h"
 #include "nodes/data/json.h"
 
 namespace terrazzo {
@@ -39,6 +40,36 @@ void encode(const Detail& v, Writer& w) {
     w.raw_array(p.tile);
     w.raw_array(p.broad);
   }
+  w.pod<std::uint64_t>(v.skins.size());
+  for (const auto& skin : v.skins) {
+    w.pod(skin.profile);
+    w.bytes(skin.corner.data(), sizeof(double) * 2);
+    w.pod(skin.size), w.pod(skin.width), w.pod(skin.height);
+    w.bytes(skin.color.data(), sizeof(float) * 3);
+    w.bytes(skin.center.data(), sizeof(float) * 2);
+    w.bytes(skin.spread.data(), sizeof(float) * 4);
+    w.raw_array(skin.shade);
+  }
+  w.pod(v.ground.width), w.pod(v.ground.height);
+  w.raw_array(v.ground.shade);
+  w.array(v.tones);
+}
+
+Detail::Skin decode_skin(Reader& r) {
+  Detail::Skin skin;
+  skin.profile = r.pod<std::int32_t>();
+  r.bytes(skin.corner.data(), sizeof(double) * 2);
+  skin.size = r.pod<float>();
+  skin.width = r.pod<int>();
+  skin.height = r.pod<int>();
+  r.bytes(skin.color.data(), sizeof(float) * 3);
+  r.bytes(skin.center.data(), sizeof(float) * 2);
+  r.bytes(skin.spread.data(), sizeof(float) * 4);
+  skin.shade = r.raw_array<Vec3f>();
+  if (!(skin.size > 0) || skin.width < 1 || skin.height < 1 ||
+      skin.shade.size() != pixels_in(skin.width, skin.height) || !(skin.spread.determinant() > 0))
+    throw Error("damaged", "the stored detail has a skin of the wrong size");
+  return skin;
 }
 
 Detail decode_detail(Reader& r) {
@@ -93,6 +124,15 @@ Detail decode_detail(Reader& r) {
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
       throw Error("damaged", "the stored detail has a tile of the wrong size");
   }
+  v.skins.resize(r.count(72));
+  for (Detail::Skin& skin : v.skins) skin = decode_skin(r);
+  v.ground.width = r.pod<int>();
+  v.ground.height = r.pod<int>();
+  v.ground.shade = r.raw_array<Vec3f>();
+  if (v.ground.width < 0 || v.ground.height < 0 ||
+      v.ground.shade.size() != pixels_in(v.ground.width, v.ground.height))
+    throw Error("damaged", "the stored detail has a ground of the wrong size");
+  v.tones = r.array<float>();
   return v;
 }
 
@@ -135,6 +175,9 @@ nlohmann::json describe(const Detail& v) {
                                          {"variance", v.zones.variance},
                                          {"level", v.zones.level},
                                          {"contrast", {v.zones.dark_contrast, v.zones.light_contrast}}}},
+          {"skins", v.skins.size()},
+          {"ground", {v.ground.width, v.ground.height}},
+          {"tones", v.tones},
           {"phases", std::move(phases)}};
 }
 

@@ -66,6 +66,39 @@ struct Detail {
     Vec3f dark = Vec3f::Zero(), light = Vec3f::Zero();  // offsets
     float dark_contrast = 1, light_contrast = 1;        // factors of the tile
   };
+  // The outside of a photographed stone, seen from above, without the light and shade of its form. Rows run
+  // downwards; beyond the stone's outline, it continues as its mirror image.
+  struct Skin {
+    std::int32_t profile = 0;  // number in Labels, from 1
+    Vec2 corner =
+        Vec2::Zero();  // the upper left one, mm from the lower left corner of the photograph's section
+    float size = 0;    // of the silhouette, √(4A/π), mm
+    Vec3f color = Vec3f::Zero();                           // the stone's median, scene-linear
+    int width = 0, height = 0;                             // pixels of the photograph
+    Eigen::Vector2f center = Eigen::Vector2f::Zero();      // of the silhouette, pixels
+    Eigen::Matrix2f spread = Eigen::Matrix2f::Identity();  // variance of its points, pixels²
+    std::vector<Vec3f> shade;                              // skin_shade() of each pixel, row by row
+  };
+  // The logarithm of a color relative to another one, and the color that has it. Very dark colors count as
+  // similar, because the camera's noise is all that tells them apart.
+  static constexpr float kSkinDark = 0.01F;
+  static Vec3f skin_shade(const Vec3f& color, const Vec3f& usual) {
+    return ((color.array().max(0) + kSkinDark) / (usual.array().max(0) + kSkinDark)).log();
+  }
+  static Vec3f with_shade(const Vec3f& usual, const Vec3f& shade) {
+    return ((usual.array().max(0) + kSkinDark) * shade.array().exp() - kSkinDark).max(0);
+  }
+  std::vector<Skin> skins;  // of a surface's stones; other views have none
+  // The soil between a surface's stones as the photograph shows it, completed where stones lie: skin_shade()
+  // relative to the mean color of the soil, row by row from the top. Empty: none.
+  struct Ground {
+    int width = 0, height = 0;  // pixels of the photograph
+    std::vector<Vec3f> shade;
+  };
+  Ground ground;
+  // Luminance that k / (n − 1) of a surface's photograph does not exceed, for k = 0 … n − 1, scene-linear;
+  // empty: unknown.
+  std::vector<float> tones;
   Zones zones;
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels

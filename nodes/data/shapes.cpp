@@ -20,6 +20,11 @@ bool is_painted(const Shapes& v) {
                      [](const Shape& s) { return !s.color.empty() || !s.uv.empty(); });
 }
 
+// What was traced follows colors and coordinates, again only if there is any.
+bool is_traced(const Shapes& v) {
+  return std::any_of(v.shapes.begin(), v.shapes.end(), [](const Shape& s) { return s.traced.profile != 0; });
+}
+
 void encode(const Shapes& v, Writer& w) {
   w.pod<std::uint64_t>(v.shapes.size());
   for (const auto& s : v.shapes) {
@@ -30,13 +35,18 @@ void encode(const Shapes& v, Writer& w) {
     w.raw_array(s.mesh.vertices);
     w.raw_array(s.mesh.triangles);
   }
-  if (!is_painted(v)) return encode_classes(v.shapes, w);
+  if (!is_painted(v) && !is_traced(v)) return encode_classes(v.shapes, w);
   std::vector<std::int32_t> classes;
   for (const Shape& s : v.shapes) classes.push_back(s.cls);
   w.array(classes);
   for (const Shape& s : v.shapes) {
     w.raw_array(s.color);
     w.raw_array(s.uv);
+  }
+  if (!is_traced(v)) return;
+  for (const Shape& s : v.shapes) {
+    w.pod(s.traced.profile), w.pod(s.traced.turn);
+    w.bytes(s.traced.origin.data(), sizeof(double) * 2);
   }
 }
 
@@ -68,6 +78,12 @@ Shapes decode_shapes(Reader& r) {
     if (!s.uv.empty() && s.uv.size() != s.mesh.triangles.size())
       throw Error("damaged", "the stored texture coordinates are not three per triangle");
   }
+  if (r.left() == 0) return v;
+  for (auto& s : v.shapes) {
+    s.traced.profile = r.pod<std::int32_t>();
+    s.traced.turn = r.pod<double>();
+    r.bytes(s.traced.origin.data(), sizeof(double) * 2);
+  }
   return v;
 }
 
@@ -88,6 +104,7 @@ nlohmann::json describe(const Shapes& v) {
   for (std::size_t i = 0; i < v.shapes.size(); ++i) {  // as values without colors never had these members
     if (!v.shapes[i].color.empty()) list[i]["colors"] = v.shapes[i].color.size();
     if (!v.shapes[i].uv.empty()) list[i]["uv"] = v.shapes[i].uv.size();
+    if (v.shapes[i].traced.profile != 0) list[i]["traced"] = v.shapes[i].traced.profile;
   }
   return {{"shapes", std::move(list)}};
 }

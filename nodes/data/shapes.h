@@ -19,6 +19,13 @@ struct Mesh {
   std::vector<Triangle> triangles;  // counterclockwise seen from outside
 };
 
+// The photographed stone whose silhouette from above, along −z, a shape has.
+struct TracedStone {
+  std::int32_t profile = 0;    // its number in Labels, from 1; 0: the shape was not traced
+  Vec2 origin = Vec2::Zero();  // of the mesh in the photograph, mm from the section's lower left corner
+  double turn = 0;             // radians, counterclockwise, of the photograph's stone relative to the mesh
+};
+
 // A mesh with its measures at scale 1, computed by `measure_shape`
 // (nodes/common/stereology/shape_measures.h).
 struct Shape {
@@ -35,6 +42,7 @@ struct Shape {
   // Of each triangle's corners in a texture whose upper left corner is (0, 0) and lower right (1, 1); empty:
   // none.
   std::vector<CornerUv> uv;
+  TracedStone traced;
 
   // A particle's size in mm: √(4·A_max/π), the diameter of a sphere.
   double size() const;

@@ -6,14 +6,16 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/data/particles.h"
 #include "nodes/detail/residual/residual_field.h"
+#include "nodes/detail/residual/skins.h"
 
 namespace terrazzo::carving {
 
 class ParticleColors {
  public:
-  // The residual may be null; otherwise it must outlive this object.
-  explicit ParticleColors(const Particles& particles, const residual::ResidualField* residual = nullptr)
-      : residual_(residual) {
+  // The residual and the skins may be null; otherwise they must outlive this object.
+  explicit ParticleColors(const Particles& particles, const residual::ResidualField* residual = nullptr,
+                          const residual::Skins* skins = nullptr)
+      : residual_(residual), skins_(skins) {
     const auto add = [&](const Vec3f& c) {
       flat_.push_back(c.cwiseMax(0.0f).cwiseMin(1.0f));
       encoded_.push_back(linear_to_srgb(flat_.back()));
@@ -24,10 +26,14 @@ class ParticleColors {
     add(particles.binder_color);
   }
 
-  // Color at a point in mm, of a particle or, if that is −1, of the binder. `sharp` adds the detail, in
-  // encoded values, as it was measured.
+  // Color at a point in mm, of a particle or, if that is −1, of the binder. `sharp` adds the particle's skin
+  // or, if it has none, the detail, in encoded values, as it was measured. Skins can be lighter than 1.
   Vec3f at(const Vec3f& mm, int particle, bool sharp) const {
     const std::size_t i = particle < 0 ? flat_.size() - 1 : static_cast<std::size_t>(particle);
+    if (sharp && skins_) {
+      if (particle < 0 && skins_->has_ground()) return skins_->ground(mm, flat_[i]);
+      if (particle >= 0 && !skins_->bare(particle)) return skins_->at(mm, particle, flat_[i]);
+    }
     if (!residual_ || !sharp) return flat_[i];
     return srgb_to_linear((encoded_[i] + residual_->at(mm, particle)).cwiseMax(0.0f).cwiseMin(1.0f));
   }
@@ -35,6 +41,7 @@ class ParticleColors {
  private:
   std::vector<Vec3f> flat_, encoded_;  // the binder's last
   const residual::ResidualField* residual_;
+  const residual::Skins* skins_;
 };
 
 }  // namespace terrazzo::carving

@@ -102,9 +102,15 @@ SurfaceOptions surface_options(const Context& c, const section::SectionLayout& l
 void show_stones(Context& c, const section::SectionLayout& layout, const Profiles* photograph,
                  const residual::ResidualField* field) {
   const auto& particles = c.input<Particles>("particles");
-  const SurfaceOptions options = surface_options(c, layout, particles.box, photograph);
+  const auto& shapes = c.input<Shapes>("shapes");
+  SurfaceOptions options = surface_options(c, layout, particles.box, photograph);
+  std::optional<residual::Skins> skins;
+  if (const Detail* detail = c.optional<Detail>("detail")) {
+    skins.emplace(*detail, particles, shapes, layout.pixel_size);
+    options.tones = detail->tones;
+  }
   SurfaceView result =
-      show_surface(particles, c.input<Shapes>("shapes"), options, field, c.work().part(0.1, 1));
+      show_surface(particles, shapes, options, field, skins ? &*skins : nullptr, c.work().part(0.1, 1));
   const double covered = result.profiles.area_fraction;
   if (options.area_fraction && covered < *options.area_fraction - 0.01)
     c.warn(
@@ -201,7 +207,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 2);
+  NodeType type("View", 3);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/bodies/view/exposure.h"
+#include "nodes/bodies/view/tones.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/luminance.h"
 #include "runtime/random.h"
@@ -89,8 +90,9 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   const std::vector<float> light = exposure({stone_, height_, color_, sun, sky, ground_, options_.pixels_x,
                                              albedo_, colors_.at(Vec3f::Zero(), -1, false)},
                                             options_, work);
-  for (std::size_t i = 0; i < color_.size(); ++i)
-    color_[i] = (light[i] * color_[i]).cwiseMax(0.0F).cwiseMin(1.0F);
+  for (std::size_t i = 0; i < color_.size(); ++i) color_[i] *= light[i];
+  match_tones(color_, options_.tones);
+  for (Vec3f& color : color_) color = color.cwiseMax(0.0F).cwiseMin(1.0F);
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });

@@ -74,10 +74,11 @@ void count_stones(SurfaceView& out, const std::vector<std::int32_t>& stone, cons
 }  // namespace
 
 SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const SurfaceOptions& options,
-                         const residual::ResidualField* detail, const Work& work) {
+                         const residual::ResidualField* detail, const residual::Skins* skins,
+                         const Work& work) {
   require_few_pixels(options);
   const StoneMeshes meshes(shapes);
-  const carving::ParticleColors colors(particles, detail);
+  const carving::ParticleColors colors(particles, detail, skins);
   const double reach = kReach * meshes.largest(particles);
   const float albedo = std::min(kMostReflected, mean_color(particles));
   SurfaceView out = empty_view(particles, options);

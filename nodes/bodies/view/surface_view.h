@@ -14,6 +14,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
 #include "nodes/detail/residual/residual_field.h"
+#include "nodes/detail/residual/skins.h"
 #include "runtime/work.h"
 
 namespace terrazzo::view {
@@ -31,7 +32,8 @@ struct SurfaceOptions {
   std::optional<float> brightness;
   // Profiles::light of the photograph, not 0; nothing: the sun has the share that `light` says.
   std::optional<Vec2> slope;
-  bool shaded = true;  // whether light falls on the stones; otherwise they have flat colors
+  std::vector<float> tones;  // Detail::tones of the photograph
+  bool shaded = true;        // whether light falls on the stones; otherwise they have flat colors
   Light light;
   std::uint64_t seed = 1;
 };
@@ -47,10 +49,11 @@ struct SurfaceView {
 
 // Light is scaled so that the median stone pixel and the mean soil pixel of each picture have the colors that
 // the particles and the binder give them, which a photograph's light has already changed; then that on
-// stones so that they have the given brightness. `detail` may be
+// stones so that they have the given brightness. `detail` and `skins` may be
 // null. Throws Error "too-many-pixels" beyond 64 megapixels in all, "no-particles", "too-many-particles" and
 // the errors of render_mesh.
 SurfaceView show_surface(const Particles&, const Shapes&, const SurfaceOptions&,
-                         const residual::ResidualField* detail, const Work& = {});
+                         const residual::ResidualField* detail, const residual::Skins* skins = nullptr,
+                         const Work& = {});
 
 }  // namespace terrazzo::view

@@ -12,8 +12,10 @@
 #include "nodes/detail/detail_solid/apply.h"
 #include "nodes/detail/detail_solid/broad.h"
 #include "nodes/detail/detail_solid/contrast.h"
+#include "nodes/detail/detail_solid/ground.h"
 #include "nodes/detail/detail_solid/light.h"
 #include "nodes/detail/detail_solid/rim.h"
+#include "nodes/detail/detail_solid/skins.h"
 #include "nodes/detail/detail_solid/softness.h"
 #include "nodes/detail/detail_solid/spectrum.h"
 #include "nodes/detail/detail_solid/tiles.h"
@@ -65,6 +67,15 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
   return out;
 }
 
+// What only a photograph of a surface shows.
+void keep_surface(const Context& c, const Image& image, const Labels& labels, const Profiles& profiles,
+                  Detail& detail) {
+  detail.skins = find_skins(image, labels, profiles, c.work().quiet());
+  detail.ground =
+      find_ground(image, labels, c.optional<Labels>("mask"), profiles, c.seed(), c.work().quiet());
+  detail.tones = find_tones(image, profiles);
+}
+
 void compute(Context& c) {
   const auto& image = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
@@ -105,6 +116,9 @@ void compute(Context& c) {
   split_contrasts(phases, image, labels, detail, c.work());
   keep_deep_pixels(phases, labels);
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
+  if (const Profiles* profiles = c.optional<Profiles>("profiles"))
+    keep_surface(c, image, labels, *profiles, detail);
+  c.metric("skins", detail.skins.size());
   const bool apply = c.has("volume");
   std::vector<PartialPicture> exemplars;
   make_tiles(c, phases, broad, labels, detail, exemplars, c.work().part(0.04, apply ? 0.9 : 1));
@@ -123,7 +137,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 10)
+  return NodeType("DetailSolid", 11)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -135,6 +149,9 @@ NodeType detail_solid_node() {
       .optional_input("mask", {"Labels"},
                       "Not 0: pixels that are neither particle nor binder and teach nothing, such as output "
                       "unobserved of Segment")
+      .optional_input(
+          "profiles", {"Profiles"},
+          "Profiles of the labels. If they show a surface, the outside of each stone is kept for View")
       .optional_input("volume", {"Volume"},
                       "Solid without detail, from Voxelize: its grids Cd, id and density")
       .output("volume", "Volume", "The solid with detail in its grid Cd. Empty without a volume")

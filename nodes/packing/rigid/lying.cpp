@@ -11,6 +11,7 @@ namespace terrazzo::packing {
 namespace {
 
 constexpr std::uint64_t kLie = 0x6c6965;
+constexpr double kAside = 0.35;  // radians
 
 struct FlatBody {
   Quat turn;             // that lays the body down
@@ -38,15 +39,20 @@ void lay_flat(Packing& packing, const Shapes& shapes, std::size_t first, const s
   for (const Shape& s : shapes.shapes) flat.push_back(flat_body(s.mesh));
   for (std::size_t i = first; i < packing.count(); ++i) {
     const auto& body = flat[packing.shape[i]];
-    if (!body) continue;
+    const TracedStone& traced = shapes.shapes[packing.shape[i]].traced;
+    if (!body && traced.profile == 0) continue;
     Random random(seed, kLie, i);
     double azimuth = random.uniform(0, 2 * std::numbers::pi);
     const Vec3 tilt(kTilt * random.normal(), kTilt * random.normal(), 0);
     const bool over = random.uniform() < 0.5;
     if (!long_axes.empty()) azimuth = long_axes[random.below(long_axes.size())];
-    const Quat along_x(Eigen::AngleAxisd(-body->long_axis, Vec3::UnitZ()));
-    Quat q = along_x * body->turn;
-    if (over) q = Quat(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX())) * q;
+    Quat q = Quat::Identity();
+    if (traced.profile != 0) {
+      azimuth = traced.turn + kAside * random.normal();
+    } else {
+      q = Quat(Eigen::AngleAxisd(-body->long_axis, Vec3::UnitZ())) * body->turn;
+      if (over) q = Quat(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX())) * q;
+    }
     q = Quat(Eigen::AngleAxisd(azimuth, Vec3::UnitZ())) * q;
     if (tilt.norm() > 0) q = Quat(Eigen::AngleAxisd(tilt.norm(), tilt.normalized())) * q;
     packing.orientation[i] = q.normalized();

@@ -233,8 +233,16 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
       if (!method.lies && !(cylinder && request.axis == "short")) lie_down(made.estimate.mesh);
       give_thickness(made.estimate.mesh, *thickness);
     }
+    const Vec2 before = made.estimate.mesh.vertices[0].head<2>();
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
+    if (method.lies) {
+      const Outline& o = request.chosen[0];
+      shape.traced.profile = o.id;
+      shape.traced.turn = o.turn;
+      shape.traced.origin =
+          o.center + Eigen::Rotation2Dd(o.turn) * Vec2(before - shape.mesh.vertices[0].head<2>());
+    }
     out.triangles += shape.mesh.triangles.size();
     out.self_intersections += made.self_intersections;
     out.deviation = std::max(out.deviation, made.estimate.deviation);

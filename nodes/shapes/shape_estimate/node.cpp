@@ -7,6 +7,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/shapes/shape_estimate/estimate_class.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
+#include "nodes/shapes/shape_estimate/relief.h"
 #include "runtime/context.h"
 
 namespace terrazzo::shape_estimate {
@@ -18,6 +19,11 @@ CandidateOptions candidate_options(const Context& c) {
   options.smallest = c.number("smallest");
   options.crease = c.number("crease");
   return options;
+}
+
+// Where most stones are round, a class of other outlines is of parts: of balls that lie deep, in the shadow.
+bool is_of_parts(const std::vector<Outline>& outlines, bool others_round) {
+  return others_round && usual_relief(outlines) >= kRound;
 }
 
 // Shapes of every class with enough profiles. The others get the shapes of all profiles together.
@@ -32,10 +38,13 @@ std::vector<ClassEstimate> estimate_classes(Context& c, const Profiles& profiles
     ++of_class[p.cls];
   }
   std::vector<int> own, shared;
+  options.cls = -1;
+  const bool round =
+      profiles.view == View::Surface && mostly_round(candidates_of(profiles, options, c.work()).outlines);
   for (options.cls = 0; options.cls < profiles.classes; ++options.cls) {
     if (of_class[options.cls] == 0) continue;
-    const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
-    (usable >= kFitLeast ? own : shared).push_back(options.cls);
+    const std::vector<Outline> usable = candidates_of(profiles, options, c.work()).outlines;
+    (usable.size() >= kFitLeast && !is_of_parts(usable, round) ? own : shared).push_back(options.cls);
   }
   std::vector<ClassEstimate> out;
   const double parts = static_cast<double>(own.size()) + (shared.empty() ? 0 : 1);
@@ -118,7 +127,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 11)
+  return NodeType("ShapeEstimate", 12)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
           "silhouettes that a surface shows. How the sections of different particles are arranged in space "

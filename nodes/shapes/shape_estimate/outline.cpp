@@ -106,17 +106,18 @@ std::vector<Vec2> densified(const std::vector<Vec2>& p, double longest) {
 }
 
 // Moves the centroid to the origin and aligns the long principal axis of the area's second moments with x.
-void align(std::vector<Vec2>& p) {
+void align(Outline& o) {
+  std::vector<Vec2>& p = o.points;
   double area = 0;
   Vec2 first = Vec2::Zero();
-  const Vec2 o = p[0];
+  const Vec2 start = p[0];
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const Vec2 a = p[i] - o, b = p[(i + 1) % p.size()] - o;
+    const Vec2 a = p[i] - start, b = p[(i + 1) % p.size()] - start;
     const double c = cross(a, b) / 2;
     area += c;
     first += c * (a + b) / 3;
   }
-  const Vec2 center = o + first / area;
+  const Vec2 center = start + first / area;
   double xx = 0, yy = 0, xy = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const Vec2 a = p[i] - center, b = p[(i + 1) % p.size()] - center;
@@ -125,9 +126,12 @@ void align(std::vector<Vec2>& p) {
     yy += c * (a.y() * a.y() + a.y() * b.y() + b.y() * b.y());
     xy += c * (a.x() * a.y() + b.x() * b.y() + (a.x() * b.y() + b.x() * a.y()) / 2);
   }
-  const double angle = 0.5 * std::atan2(2 * xy, xx - yy);
-  const Eigen::Rotation2Dd turn(std::abs(2 * xy) + std::abs(xx - yy) < 1e-9 * (xx + yy) ? 0 : -angle);
+  const bool round = std::abs(2 * xy) + std::abs(xx - yy) < 1e-9 * (xx + yy);
+  const double angle = round ? 0 : 0.5 * std::atan2(2 * xy, xx - yy);
+  const Eigen::Rotation2Dd turn(-angle);
   for (auto& q : p) q = turn * Vec2(q - center);
+  o.center += Eigen::Rotation2Dd(o.turn) * center;
+  o.turn += angle;
 }
 
 double normal_density(double u) { return std::exp(-0.5 * u * u) / std::sqrt(2 * pi); }
@@ -272,8 +276,8 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
   o.blur = blur;
   const double area = blur > 0 ? loop_area(p) : 0;
   p = densified(p, length(p) / kPoints);
-  align(p);
   o.points = std::move(p);
+  align(o);
   if (blur > 0) o.soft = o.points;
   const double window = std::max(0.025 * length(o.points), 3.0 * blur);
   find_corners(o, window, blur, crease);
@@ -282,7 +286,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
     restore_tips(sharp, window, blur);
     const double scale = std::sqrt(area / loop_area(sharp.points));
     for (auto& q : sharp.points) q *= scale;
-    align(sharp.points);
+    align(sharp);
     if (outline_fault(sharp.points).empty()) o = std::move(sharp);
   }
   o.area = loop_area(o.points);

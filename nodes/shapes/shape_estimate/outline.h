@@ -24,7 +24,11 @@ struct Outline {
   double convexity = 0;          // area / area of the convex hull
   int corners = 0;               // number of turns of at least `crease`, in either direction
   std::vector<Vec2> soft;  // after smoothing, before tips of corners were restored; empty if not smoothed
-  double blur = 0;         // standard deviation of the smoothing of pixel steps, mm; 0: not smoothed
+  // In the photograph: the place of the centroid, mm, and the angle of the curve's x axis, radians. Not kept
+  // by mirroring and turning.
+  Vec2 center = Vec2::Zero();
+  double turn = 0;
+  double blur = 0;  // standard deviation of the smoothing of pixel steps, mm; 0: not smoothed
 
   // The curve mirrored in x, mirrored in y, or rotated by a quarter turn; still counter-clockwise.
   Outline mirrored_x() const;

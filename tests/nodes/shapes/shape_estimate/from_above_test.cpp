@@ -93,6 +93,81 @@ TEST(LayFlat, ShortAxesPointUpWithATilt) {
   EXPECT_LT(azimuth.norm(), 0.07);
 }
 
+TEST(LayFlat, TracedStonesLieAsInThePhotograph) {
+  Shapes shapes = ellipsoid(1.2, 1, 0.5);
+  shapes.shapes[0].traced = {3, Vec2(1, 2), 0.8};
+  packing::Packing p;
+  constexpr int kCount = 2000;
+  p.shape.assign(kCount, 0);
+  p.position.assign(kCount, Vec3::Zero());
+  p.orientation.assign(kCount, Quat::Identity());
+  packing::lay_flat(p, shapes, 0, {2.5}, 3);
+  double sum = 0, square = 0;
+  for (const Quat& q : p.orientation) {
+    EXPECT_GT((q * Vec3::UnitZ()).z(), -0.2);  // the same side is up
+    const Vec3 axis = q * Vec3::UnitX();
+    const double off = std::remainder(std::atan2(axis.y(), axis.x()) - 0.8, 2 * pi);
+    sum += off / kCount;
+    square += off * off / kCount;
+  }
+  EXPECT_NEAR(sum, 0, 0.04);
+  EXPECT_NEAR(std::sqrt(square), 0.35, 0.05);
+}
+
+// Where the photograph shows a mesh's silhouette, there the stone's outline is.
+TEST(FromAbove, TracedShapesKnowTheirPlaceInThePhotograph) {
+  Profiles p;
+  p.view = View::Surface;
+  for (int k = 0; k < 30; ++k) {
+    Profile q;
+    const Eigen::Rotation2Dd turn(0.3 * k);
+    for (int i = 0; i < 90; ++i) {
+      const double t = 2 * pi * i / 90;
+      const double r = 1 + 0.15 * std::cos(3 * t + k) + 0.05 * std::cos(5 * t);
+      q.contour.push_back(Vec2(10 * k, 5) + turn * Vec2(2 * r * std::cos(t), 1.3 * r * std::sin(t)));
+    }
+    q.area = q.whole = loop_area(q.contour);
+    p.profiles.push_back(q);
+  }
+  const auto run = terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}});
+  for (const Shape& s : run.output<Shapes>("shapes").shapes) {
+    ASSERT_GE(s.traced.profile, 1) << s.name;
+    const Loop& contour = p.profiles[s.traced.profile - 1].contour;
+    double farthest = 0;
+    for (const Vec2& c : contour) {
+      double nearest = 1e9;
+      for (const Vec3& v : s.mesh.vertices)
+        nearest = std::min(
+            nearest, (s.traced.origin + Eigen::Rotation2Dd(s.traced.turn) * Vec2(v.head<2>()) - c).norm());
+      farthest = std::max(farthest, nearest);
+    }
+    EXPECT_LT(farthest, 0.25) << s.name;  // the mesh has a vertex at least every 0.2 mm
+  }
+}
+
+// Balls in the light, and parts of balls in the shadow: all shapes are balls.
+TEST(FromAbove, PartsOfBallsAreNoShapes) {
+  Profiles p;
+  p.view = View::Surface;
+  p.classes = 2;
+  for (int k = 0; k < 80; ++k) {
+    Profile q;
+    q.cls = k >= 50;
+    const double radius = q.cls ? 0.7 : 1 + 0.01 * k;
+    for (int i = 0; i < 60; ++i) {
+      const double t = 2 * pi * i / 60;
+      const double r = q.cls ? radius * (1 + 0.2 * std::cos(2 * t) + 0.15 * std::cos(3 * t + k)) : radius;
+      q.contour.emplace_back(3 + r * std::cos(t), 3 + r * std::sin(t));
+    }
+    q.area = q.whole = loop_area(q.contour);
+    p.profiles.push_back(q);
+  }
+  const auto run =
+      terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}}, {{"class", "each"}});
+  EXPECT_EQ(run.metrics.at("classes_with_shapes_of_all"), 1);
+  for (const Shape& s : run.output<Shapes>("shapes").shapes) EXPECT_LE(s.traced.profile, 50) << s.name;
+}
+
 // Stones of a surface: as many shapes as asked, lying, with the photograph's outlines from above.
 TEST(FromAbove, ShapesOfASurfaceLieFlat) {
   namespace made = shape_estimate::test;

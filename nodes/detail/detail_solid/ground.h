@@ -1,0 +1,23 @@
+// What else a photograph of a surface shows: the soil between stones, and how light and dark it is.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/detail.h"
+#include "nodes/data/image.h"
+#include "nodes/data/labels.h"
+#include "nodes/data/profiles.h"
+#include "runtime/work.h"
+
+namespace terrazzo::detail_solid {
+
+// The window of at most 512 pixels square with most soil, sewn together from it. Nothing of other views,
+// of loose stones, and of less than a tenth soil. `mask`: not 0 where a pixel is no soil; may be null.
+Detail::Ground find_ground(const Image&, const Labels&, const Labels* mask, const Profiles&,
+                           std::uint64_t seed, const Work& = {});
+
+// Detail::tones of a surface; nothing of other views.
+std::vector<float> find_tones(const Image&, const Profiles&);
+
+}  // namespace terrazzo::detail_solid

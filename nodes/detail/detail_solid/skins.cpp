@@ -1,0 +1,216 @@
+#include "nodes/detail/detail_solid/skins.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+
+#include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
+
+namespace terrazzo::detail_solid {
+namespace {
+
+constexpr double kLeastPixels = 100;  // of a stone
+constexpr double kVisible = 0.7;      // share of its silhouette that nothing hides
+constexpr float kInside = 1.5F;       // pixels inside outlines that the camera mixes with what is behind
+constexpr double kMargin = 0.25;      // around the visible part, in its larger extent
+constexpr int kRings = 12;            // from the outline to the middle
+using Plane = Eigen::Matrix<double, 6, 1>;
+
+struct Box {
+  int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;  // the last ones included
+  double pixels = 0;
+  void add(int x, int y) {
+    left = std::min(left, x);
+    right = std::max(right, x);
+    top = std::min(top, y);
+    bottom = std::max(bottom, y);
+    ++pixels;
+  }
+};
+
+// A stone on its way to a skin. Arrays are ordered row by row from the top, over the stone's box and a
+// margin.
+struct Stone {
+  Detail::Skin skin;
+  std::vector<std::uint8_t> seen;  // 1: shows the stone, away from its outline
+  std::vector<float> ring;         // 0 at the outline, 1 at the deepest place of the stone
+  std::size_t size() const { return seen.size(); }
+};
+
+// The depth of each pixel below the outline, in pixels.
+cv::Mat depth_in(const std::vector<std::uint8_t>& inside, int width, int height) {
+  cv::Mat padded = cv::Mat::zeros(height + 2, width + 2, CV_8U);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) padded.at<std::uint8_t>(y + 1, x + 1) = inside[pixel_at(x, y, width)];
+  cv::Mat depth;
+  cv::distanceTransform(padded, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  return depth(cv::Rect(1, 1, width, height)).clone();
+}
+
+Stone cut_out(const Image& image, const Labels& labels, const Profile& profile, int id, const Box& box) {
+  Stone stone;
+  Detail::Skin& skin = stone.skin;
+  const int margin = round_up(kMargin * std::max(box.right - box.left + 1, box.bottom - box.top + 1));
+  const int left = box.left - margin;
+  const int top = box.top - margin;
+  skin.width = box.right - box.left + 1 + 2 * margin;
+  skin.height = box.bottom - box.top + 1 + 2 * margin;
+  skin.size = static_cast<float>(std::sqrt(4 * std::max(profile.whole, profile.area) / std::numbers::pi));
+  skin.color = profile.color;
+  skin.profile = id;
+  skin.corner = Vec2(left, image.height - top) * image.pixel_size;
+  const std::size_t pixels = pixels_in(skin.width, skin.height);
+  std::vector<std::uint8_t> inside(pixels, 0);
+  skin.shade.assign(pixels, Vec3f::Zero());
+  Vec2 sum = Vec2::Zero();
+  Eigen::Matrix2d squares = Eigen::Matrix2d::Zero();
+  for (int y = 0; y < skin.height; ++y)
+    for (int x = 0; x < skin.width; ++x) {
+      const int u = left + x;
+      const int v = top + y;
+      if (u < 0 || v < 0 || u >= image.width || v >= image.height) continue;
+      if (labels.ids[labels.index(u, v, profile.section)] != id) continue;
+      const std::size_t i = pixel_at(x, y, skin.width);
+      inside[i] = 1;
+      skin.shade[i] = Detail::skin_shade(image.at(u, v, profile.section), skin.color);
+      const Vec2 at(x + 0.5, y + 0.5);
+      sum += at;
+      squares += at * at.transpose();
+    }
+  const Vec2 center = sum / box.pixels;
+  skin.center = center.cast<float>();
+  skin.spread = (squares / box.pixels - center * center.transpose()).cast<float>();
+  const cv::Mat depth = depth_in(inside, skin.width, skin.height);
+  const float deepest = *std::max_element(depth.begin<float>(), depth.end<float>());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const float d = depth.at<float>(static_cast<int>(i));
+    stone.seen.push_back(d > kInside);
+    stone.ring.push_back(std::min(1.0F, (d - kInside) / std::max(1.0F, deepest - kInside)));
+  }
+  return stone;
+}
+
+template <class F>
+void each_seen(const Stone& stone, F&& use) {
+  for (std::size_t i = 0; i < stone.size(); ++i)
+    if (stone.seen[i]) use(i);
+}
+
+// Terms of a quadratic about the center, in standard deviations of the silhouette.
+Plane terms_at(const Stone& stone, std::size_t i) {
+  const Detail::Skin& skin = stone.skin;
+  const double x = (i % skin.width + 0.5 - skin.center.x()) / std::sqrt(skin.spread(0, 0));
+  const double y = (i / skin.width + 0.5 - skin.center.y()) / std::sqrt(skin.spread(1, 1));
+  Plane terms;
+  terms << 1, x, y, x * x, x * y, y * y;
+  return terms;
+}
+
+// The quadratic in luminance that fits a stone's shade best.
+Plane form_of(const Stone& stone) {
+  Eigen::Matrix<double, 6, 6> squares = Eigen::Matrix<double, 6, 6>::Identity() * 1e-6;
+  Plane right = Plane::Zero();
+  each_seen(stone, [&](std::size_t i) {
+    const Plane terms = terms_at(stone, i);
+    squares += terms * terms.transpose();
+    right += terms * double(luminance_of(stone.skin.shade[i]));
+  });
+  return squares.ldlt().solve(right);
+}
+
+// Light and shade of a stone's form change slowly across it, and all stones have them: View makes them again.
+// What a stone alone has, such as broken faces and stains, is its own.
+void remove_form(std::vector<Stone>& stones) {
+  Plane sum = Plane::Zero();
+  for (const Stone& stone : stones) sum += form_of(stone);
+  const Plane form = sum / std::max<double>(1, count_of(stones));
+  for (Stone& stone : stones)
+    each_seen(stone, [&](std::size_t i) {
+      stone.skin.shade[i] -= Vec3f::Constant(static_cast<float>(form.dot(terms_at(stone, i))));
+    });
+}
+
+// What all stones have in common from the outline inwards is shade, too: neighbors hide the sky there.
+void remove_rims(std::vector<Stone>& stones) {
+  std::vector<double> sum(kRings, 0), count(kRings, 1e-9);
+  const auto ring_of = [](float ring) { return std::min(kRings - 1, round_down(ring * kRings)); };
+  for (const Stone& stone : stones)
+    each_seen(stone, [&](std::size_t i) {
+      const int k = ring_of(stone.ring[i]);
+      sum[k] += luminance_of(stone.skin.shade[i]);
+      ++count[k];
+    });
+  std::vector<float> mean;
+  for (int k = 0; k < kRings; ++k) mean.push_back(static_cast<float>(sum[k] / count[k]));
+  for (Stone& stone : stones)
+    each_seen(stone, [&](std::size_t i) {
+      stone.skin.shade[i] -= Vec3f::Constant(Detail::at_distance(mean, stone.ring[i] * kRings));
+    });
+}
+
+// Beyond the outline, and where another stone hides it, a stone continues as its own mirror image.
+void mirror_outwards(Stone& stone) {
+  Detail::Skin& skin = stone.skin;
+  cv::Mat hidden(skin.height, skin.width, CV_8U), distance, nearest;
+  for (std::size_t i = 0; i < stone.size(); ++i) hidden.data[i] = stone.seen[i] ? 0 : 255;
+  cv::distanceTransform(hidden, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
+  std::vector<std::size_t> source(stone.size() + 1, 0);
+  const auto* number = reinterpret_cast<const std::int32_t*>(nearest.data);
+  each_seen(stone, [&](std::size_t i) { source[number[i]] = i; });
+  const std::vector<Vec3f> shade = skin.shade;
+  for (std::size_t i = 0; i < stone.size(); ++i) {
+    if (stone.seen[i]) continue;
+    const std::size_t edge = source[number[i]];
+    const int x = 2 * static_cast<int>(edge % skin.width) - static_cast<int>(i % skin.width);
+    const int y = 2 * static_cast<int>(edge / skin.width) - static_cast<int>(i / skin.width);
+    const bool inside =
+        x >= 0 && y >= 0 && x < skin.width && y < skin.height && stone.seen[pixel_at(x, y, skin.width)];
+    skin.shade[i] = shade[inside ? pixel_at(x, y, skin.width) : edge];
+  }
+}
+
+std::vector<Box> boxes_of(const Labels& labels) {
+  std::vector<Box> boxes(labels.count());
+  for (int section = 0; section < labels.sections; ++section)
+    for (int y = 0; y < labels.height; ++y)
+      for (int x = 0; x < labels.width; ++x)
+        if (const std::int32_t id = labels.ids[labels.index(x, y, section)]; id > 0) boxes[id - 1].add(x, y);
+  return boxes;
+}
+
+}  // namespace
+
+std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, const Profiles& profiles,
+                                     const Work& work) {
+  if (profiles.view != View::Surface) return {};
+  if (profiles.profiles.size() != labels.classes.size())
+    throw Error(
+        "size-mismatch",
+        fmt::format("there are {} profiles, and {} in the labels", profiles.profiles.size(), labels.count()),
+        "use labels and profiles of the same segmentation");
+  const std::vector<Box> boxes = boxes_of(labels);
+  std::vector<Stone> stones;
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    work.check();
+    const Profile& p = profiles.profiles[k];
+    if (p.touches_border || boxes[k].pixels < kLeastPixels || p.area < kVisible * p.whole) continue;
+    stones.push_back(cut_out(image, labels, p, static_cast<int>(k) + 1, boxes[k]));
+  }
+  remove_form(stones);
+  remove_rims(stones);
+  std::vector<Detail::Skin> skins;
+  for (Stone& stone : stones) {
+    work.check();
+    mirror_outwards(stone);
+    skins.push_back(std::move(stone.skin));
+  }
+  return skins;
+}
+
+}  // namespace terrazzo::detail_solid

@@ -1,0 +1,55 @@
+// The outsides of photographed stones on the particles of a packing.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "nodes/data/detail.h"
+#include "nodes/data/particles.h"
+#include "nodes/data/shapes.h"
+
+namespace terrazzo::residual {
+
+// A particle whose shape was traced from a stone of about its size wears the skin of that stone, in its
+// place. Others wear the skin of another stone, projected along z, the direction in which the photograph
+// looked: it is moved and stretched so that the ellipse of the stone's silhouette falls on that of the
+// particle's, with as little stretching as possible (the optimal transport between two ellipses). Skins that
+// have the particle's color and size and need little stretching are preferred.
+class Skins {
+ public:
+  // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
+  // bare without skins, or if they are much smaller than all stones that have one.
+  Skins(const Detail&, const Particles&, const Shapes&, double footprint);
+
+  // The soil at a point in mm, where it otherwise has this color: the photograph's, which repeats as its own
+  // mirror image. Only if there is such a photograph.
+  bool has_ground() const { return !ground_.shade.empty(); }
+  Vec3f ground(const Vec3f& mm, const Vec3f& color) const;
+
+  bool bare(int particle) const { return worn_[particle].skin < 0; }
+  // The color at a point in mm of a particle that is not bare and otherwise has this color; scene-linear.
+  Vec3f at(const Vec3f& mm, int particle, const Vec3f& color) const;
+
+ private:
+  struct Worn {
+    int skin = -1;
+    // Pixels to the right and downwards per mm from the particle's position, and at that position.
+    Eigen::Matrix<float, 2, 3> to_skin = Eigen::Matrix<float, 2, 3>::Zero();
+    Eigen::Vector2f start = Eigen::Vector2f::Zero();
+    Vec3f center = Vec3f::Zero();  // the particle's position, mm
+  };
+  std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;
+  Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2f& spread) const;
+
+  Vec3f box_;
+  double pixel_size_;
+  Detail::Ground ground_;
+  std::vector<Detail::Skin> skins_;
+  std::vector<Vec3f> oklab_;                // colors of skins
+  std::map<std::int32_t, int> of_profile_;  // number of the skin
+  float smallest_ = 0;                      // skin, mm
+  std::vector<Worn> worn_;                  // by each particle
+};
+
+}  // namespace terrazzo::residual

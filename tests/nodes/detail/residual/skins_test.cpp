@@ -1,0 +1,138 @@
+#include "nodes/detail/residual/skins.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "nodes/common/stereology/shape_measures.h"
+#include "runtime/random.h"
+#include "tests/nodes/volumes/voxelize/bodies.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+using residual::Skins;
+using std::numbers::pi;
+
+// A skin of a round stone of 6 mm at 0.1 mm per pixel whose shade says where it is: red grows to the right,
+// green downwards, by 0.01 per pixel from the center.
+Detail::Skin chart(int profile, const Vec3f& color) {
+  Detail::Skin skin;
+  skin.profile = profile;
+  skin.width = 80;
+  skin.height = 100;
+  skin.center = {40, 50};
+  skin.corner = {10, 20};
+  skin.spread = Eigen::Matrix2f::Identity() * 225;  // radius 30 pixels
+  skin.size = 6;
+  skin.color = color;
+  for (int y = 0; y < skin.height; ++y)
+    for (int x = 0; x < skin.width; ++x)
+      skin.shade.emplace_back(0.01F * (x + 0.5F - 40), 0.01F * (y + 0.5F - 50), 0);
+  return skin;
+}
+
+Shapes ball_of_3mm() {
+  Mesh mesh = test::sphere_mesh(4);
+  for (Vec3& v : mesh.vertices) v *= 6;  // from diameter 1
+  return test::one_shape(std::move(mesh));
+}
+
+Particles one_particle(const Vec3& at, const Quat& turn, double scale) {
+  Particles p;
+  p.box = Vec3(100, 100, 100);
+  p.resize(1);
+  p.position[0] = at;
+  p.orientation[0] = turn;
+  p.scale[0] = scale;
+  p.size[0] = 6 * scale;
+  return p;
+}
+
+// Where the chart says a point is, in pixels from the center.
+Eigen::Vector2f read(const Skins& skins, const Vec3& mm) {
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  const Vec3f shade = Detail::skin_shade(skins.at(mm.cast<float>(), 0, usual), usual);
+  return Eigen::Vector2f(shade.x(), shade.y()) / 0.01F;
+}
+
+void expect_near(const Eigen::Vector2f& a, float x, float y, float tolerance = 0.5F) {
+  EXPECT_NEAR(a.x(), x, tolerance);
+  EXPECT_NEAR(a.y(), y, tolerance);
+}
+
+TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  Shapes shapes = ball_of_3mm();
+  shapes.shapes[0].traced = {4, Vec2(10 + 4, 20 - 5), 0};  // at the skin's center
+  const Vec3 at(99, 1, 50);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at + Vec3(1, 2, 0)), 10,
+              -20);
+  // Across the box's border.
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), Vec3(0, 99, 50)), 10,
+              20);
+  const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
+  expect_near(read(Skins(detail, one_particle(at, quarter, 0.5), shapes, 0.1), at + Vec3(0, 1, 0)), 20, 0);
+  // The mesh was turned when it was traced.
+  shapes.shapes[0].traced.turn = pi / 2;
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at + Vec3(1, 0, 0)), 0,
+              -10);
+  // A stone of another photograph lies elsewhere: the skin then lies about the particle's center.
+  shapes.shapes[0].traced.origin = Vec2(200, 200);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at), 0, 0);
+}
+
+TEST(SkinsOfParticles, OthersStretchASkinOverTheirSilhouette) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  Shapes shapes = ball_of_3mm();
+  for (Vec3& v : shapes.shapes[0].mesh.vertices) v.x() *= 2;  // half axes 6, 3 and 3 mm
+  const Vec3 at(50, 50, 50);
+  const Skins along(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1);
+  expect_near(read(along, at + Vec3(6, 0, 0)), 30, 0, 1);
+  expect_near(read(along, at + Vec3(0, 3, 0)), 0, -30, 1);
+  const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
+  const Skins turned(detail, one_particle(at, quarter, 0.5), shapes, 0.1);
+  expect_near(read(turned, at + Vec3(0, 3, 0)), 0, -30, 1);  // never turned, only stretched
+  expect_near(read(turned, at + Vec3(1.5, 0, 0)), 30, 0, 1);
+}
+
+TEST(SkinsOfParticles, ColorAndSizeChoose) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(1, Vec3f(0.6F, 0.1F, 0.1F)));
+  detail.skins.push_back(chart(2, Vec3f(0.1F, 0.1F, 0.6F)));
+  for (Vec3f& v : detail.skins[1].shade) v = Vec3f(0, 0, 0.5F);
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  p.color[0] = Vec3f(0.15F, 0.1F, 0.55F);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f::Constant(50), 0, p.color[0]), p.color[0]).z(), 0.5, 1e-3);
+  EXPECT_TRUE(Skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 0.3), ball_of_3mm(), 0.1).bare(0));
+  EXPECT_TRUE(Skins(Detail(), p, ball_of_3mm(), 0.1).bare(0));
+}
+
+TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.ground.width = 20;
+  detail.ground.height = 30;
+  for (int i = 0; i < 600; ++i)
+    detail.ground.shade.push_back(Vec3f::Constant(static_cast<float>(Random(1, 2, i).uniform())));
+  const Skins skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1);
+  ASSERT_TRUE(skins.has_ground());
+  const Vec3f usual = Vec3f::Constant(0.4F);
+  const auto at = [&](float x, float y) {
+    return Detail::skin_shade(skins.ground(Vec3f(x, y, 7), usual), usual).x();
+  };
+  EXPECT_NEAR(at(0.55F, -0.35F), detail.ground.shade[3 * 20 + 5].x(), 1e-3);
+  EXPECT_NEAR(at(0.55F + 2, -0.35F + 3), detail.ground.shade[3 * 20 + 5].x(), 2e-3);
+  EXPECT_FALSE(
+      Skins(Detail(), one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1).has_ground());
+}
+
+}  // namespace
+}  // namespace terrazzo
