@@ -32,13 +32,22 @@ class ParticleColors {
     const std::size_t i = particle < 0 ? flat_.size() - 1 : static_cast<std::size_t>(particle);
     if (sharp && skins_) {
       if (particle < 0 && skins_->has_ground()) return skins_->ground(mm, flat_[i]);
-      if (particle >= 0 && !skins_->bare(particle)) return skins_->at(mm, particle, flat_[i]);
+      if (particle >= 0 && !skins_->bare(particle)) return in_skin(mm, particle);
     }
     if (!residual_ || !sharp) return flat_[i];
     return srgb_to_linear((encoded_[i] + residual_->at(mm, particle)).cwiseMax(0.0f).cwiseMin(1.0f));
   }
 
  private:
+  // Skins can be lighter than 1, where sRGB's encoding is not defined.
+  Vec3f in_skin(const Vec3f& mm, int particle) const {
+    const Vec3f color = skins_->at(mm, particle, flat_[particle]);
+    const float lost = skins_->lost_grain(particle);
+    if (!residual_ || lost <= 0) return color;
+    const Vec3f grain = lost * residual_->at(mm, particle);
+    return srgb_to_linear((linear_to_srgb(color.cwiseMin(1.0f)) + grain).cwiseMax(0.0f).cwiseMin(1.0f));
+  }
+
   std::vector<Vec3f> flat_, encoded_;  // the binder's last
   const residual::ResidualField* residual_;
   const residual::Skins* skins_;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "graph/diagnostic.h"
 #include "nodes/bodies/view/settle.h"
@@ -125,13 +126,21 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
   std::size_t kept = 0;
   for (std::size_t i = 0; i < stones_.size(); ++i) {
-    if (instances[i].offset.z() > 0) continue;
+    if (instances[i].offset.z() > 0 || (options.soil && hangs_above(instances[i], *options.soil))) continue;
     stones_[kept] = stones_[i];
     stones_[kept].to_packing += before[i].offset - instances[i].offset;
     instances[kept++] = instances[i];
   }
   stones_.resize(kept);
   instances.resize(kept);
+}
+
+// Soil holds the stones that it touches. None rest on others as in a heap.
+bool Bed::hangs_above(const carving::RayScene::Instance& stone, float soil) const {
+  float lowest = std::numeric_limits<float>::max();
+  for (const Vec3f& p : meshes_.triangles[stone.mesh].positions)
+    lowest = std::min(lowest, stone.linear.row(2).dot(p));
+  return stone.offset.z() + lowest > soil;
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

@@ -86,6 +86,7 @@ class Bed {
   };
   void add_copies(const Particles&, int particle, const Vec2& picture, double margin,
                   std::vector<carving::RayScene::Instance>&);
+  bool hangs_above(const carving::RayScene::Instance&, float soil) const;
   void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
                   const Work&);
 

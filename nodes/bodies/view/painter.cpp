@@ -102,8 +102,8 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
 // stones. So it creeps over their edges here and there.
 void Painter::raise_soil(const Work& work) {
   constexpr float kGrain = 0.7F;   // pixels, standard deviation of the height
-  constexpr float kBroad = 0.05F;  // the same of hills, in diameters of the largest stone
-  constexpr double kWide = 0.2;    // deviation of their filter, in these diameters
+  constexpr float kBroad = 0.08F;  // the same of hills, in diameters of the largest stone
+  constexpr double kWide = 0.1;    // deviation of their filter, in these diameters
   constexpr float kMost = 2;       // deviations
   cv::Mat bright(options_.pixels_y, options_.pixels_x, CV_32F);
   each_row(work, [&](int row) {

@@ -17,9 +17,13 @@ namespace {
 
 constexpr double kLeastPixels = 100;  // of a stone
 constexpr double kVisible = 0.7;      // share of its silhouette that nothing hides
-constexpr float kInside = 1.5F;       // pixels inside outlines that the camera mixes with what is behind
-constexpr double kMargin = 0.25;      // around the visible part, in its larger extent
-constexpr int kRings = 12;            // from the outline to the middle
+constexpr float kShadow = -1.1F;      // shade of what lies in the shadow of another stone
+constexpr double kShadowed = 0.1;    // share of a stone on which too much of a shadow falls
+constexpr double kOwnForm =
+    0.6;  // share of what a stone's form differs from the others' that is light and shade
+constexpr float kInside = 1.5F;   // pixels inside outlines that the camera mixes with what is behind
+constexpr double kMargin = 0.25;  // around the visible part, in its larger extent
+constexpr int kRings = 12;        // from the outline to the middle
 using Plane = Eigen::Matrix<double, 6, 1>;
 
 struct Box {
@@ -124,16 +128,32 @@ Plane form_of(const Stone& stone) {
   return squares.ldlt().solve(right);
 }
 
-// Light and shade of a stone's form change slowly across it, and all stones have them: View makes them again.
-// What a stone alone has, such as broken faces and stains, is its own.
+// Light and shade of a stone's form change slowly across it, and View makes them again: what all stones have,
+// and a share of what one has alone. The rest is its own, such as broken faces and stains.
 void remove_form(std::vector<Stone>& stones) {
+  std::vector<Plane> forms;
   Plane sum = Plane::Zero();
-  for (const Stone& stone : stones) sum += form_of(stone);
-  const Plane form = sum / std::max<double>(1, count_of(stones));
-  for (Stone& stone : stones)
-    each_seen(stone, [&](std::size_t i) {
-      stone.skin.shade[i] -= Vec3f::Constant(static_cast<float>(form.dot(terms_at(stone, i))));
+  for (const Stone& stone : stones) {
+    forms.push_back(form_of(stone));
+    sum += forms.back();
+  }
+  const Plane usual = sum / std::max<double>(1, count_of(stones));
+  for (std::size_t k = 0; k < stones.size(); ++k) {
+    const Plane form = usual + kOwnForm * (forms[k] - usual);
+    each_seen(stones[k], [&](std::size_t i) {
+      stones[k].skin.shade[i] -= Vec3f::Constant(static_cast<float>(form.dot(terms_at(stones[k], i))));
     });
+  }
+}
+
+bool in_shadow(const Stone& stone) {
+  double dark = 0;
+  double all = 0;
+  each_seen(stone, [&](std::size_t i) {
+    dark += luminance_of(stone.skin.shade[i]) < kShadow;
+    ++all;
+  });
+  return dark > kShadowed * all;
 }
 
 // What all stones have in common from the outline inwards is shade, too: neighbors hide the sky there.
@@ -200,7 +220,8 @@ std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, c
     work.check();
     const Profile& p = profiles.profiles[k];
     if (p.touches_border || boxes[k].pixels < kLeastPixels || p.area < kVisible * p.whole) continue;
-    stones.push_back(cut_out(image, labels, p, static_cast<int>(k) + 1, boxes[k]));
+    Stone stone = cut_out(image, labels, p, static_cast<int>(k) + 1, boxes[k]);
+    if (!in_shadow(stone)) stones.push_back(std::move(stone));
   }
   remove_form(stones);
   remove_rims(stones);

@@ -18,12 +18,10 @@ using Mat2f = Eigen::Matrix2f;
 
 constexpr std::uint64_t kSkinStream = 0x736b696e;
 // Differences in Oklab, in the logarithm of the size and in that of the stretching that count equally.
-constexpr float kColorSpread = 0.03F, kSizeSpread = 0.5F, kStretchSpread = 0.3F;
-constexpr float kEnlarged = 2;   // how much worse it is to enlarge a skin than to reduce it
-constexpr float kChance = 0.5F;  // of the choice: no skin is worn by all stones of one kind
-// Size of a particle that wears the skin of its own stone, relative to the stone: larger ones would look
-// blurred.
-constexpr double kLeastOwn = 0.4, kMostOwn = 1.4;
+constexpr float kColorSpread = 0.03F, kSizeSpread = 0.5F, kStretchSpread = 0.2F;
+constexpr float kEnlarged = 4;     // how much worse it is to enlarge a skin than to reduce it
+constexpr float kStrange = 1;      // how much worse the skin of another stone is, whose outline differs
+constexpr float kChance = 0.5F;    // of the choice: no skin is worn by all stones of one kind
 constexpr float kSmallest = 0.6F;  // particle that wears a skin, in the smallest skin
 
 // Of a solid about its centroid, the origin: sums over tetrahedra with one corner there.
@@ -115,14 +113,10 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   for (const Shape& shape : shapes.shapes) covariance.push_back(covariance_of(shape.mesh));
   for (std::size_t p = 0; p < particles.count(); ++p) {
     if (particles.is_void(p) || particles.size[p] < kSmallest * smallest_) continue;
-    const Shape& shape = shapes.shapes[particles.shape[p]];
-    if (const std::optional<Worn> own = own_skin(shape, particles, p)) {
-      worn_[p] = *own;
-      continue;
-    }
+    const std::int32_t shape = particles.shape[p];
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
-    worn_[p] =
-        choose(p, particles, spread_from_above(turn * covariance[particles.shape[p]] * turn.transpose()));
+    worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
+                      own_skin(shapes.shapes[shape], particles, p));
   }
 }
 
@@ -130,11 +124,10 @@ std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& 
                                            std::size_t particle) const {
   const auto found = of_profile_.find(shape.traced.profile);
   const double scale = particles.scale[particle];
-  if (found == of_profile_.end() || scale < kLeastOwn || scale > kMostOwn) return {};
+  if (found == of_profile_.end()) return {};
   const Detail::Skin& skin = skins_[found->second];
   Worn worn;
   worn.skin = found->second;
-  worn.center = particles.position[particle].cast<float>();
   const Vec2 start = (shape.traced.origin - skin.corner) / pixel_size_;
   worn.start = Vec2(start.x(), -start.y()).cast<float>();
   // A stone of another photograph is elsewhere.
@@ -146,31 +139,39 @@ std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& 
   return worn;
 }
 
-Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, const Mat2f& spread) const {
+Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, const Mat2f& spread,
+                          const std::optional<Worn>& own) const {
   const Vec3f color = linear_to_oklab(particles.color[particle]);
   const float size =
-      4 * std::sqrt(std::sqrt(spread.determinant()));  // the ellipse's half axes are two deviations
+      4 * std::sqrt(std::sqrt(spread.determinant()));      // the ellipse's half axes are two deviations
+  const Mat2f flip = Eigen::Vector2f(1, -1).asDiagonal();  // rows of pictures run downwards
   Random random(1, kSkinStream, particle);
   Worn best;
-  best.center = particles.position[particle].cast<float>();
+  float lost_grain = 0;  // all of it where a pixel covers two
   float least = std::numeric_limits<float>::max();
-  for (std::size_t k = 0; k < skins_.size(); ++k) {
+  for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
-    // Rows of pictures run downwards.
-    const Mat2f flip = Eigen::Vector2f(1, -1).asDiagonal();
+    const bool is_own = own && own->skin == k;
     const Mat2f map = transport(flip * spread * flip, skin.spread);
     float larger = std::log(size / skin.size);
     if (larger > 0) larger *= kEnlarged;
-    const float stretched = stretching(map) / kStretchSpread;
+    const float stretched = is_own ? 0 : stretching(map) / kStretchSpread;
     const float cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
                        larger * larger / (kSizeSpread * kSizeSpread) + stretched * stretched +
-                       kChance * static_cast<float>(random.uniform());
+                       (is_own ? 0 : kStrange) + kChance * static_cast<float>(random.uniform());
     if (cost >= least) continue;
     least = cost;
-    best.skin = static_cast<int>(k);
+    lost_grain = std::clamp(std::log2(size / skin.size), 0.0F, 1.0F);
+    if (is_own) {
+      best = *own;
+      continue;
+    }
+    best.skin = k;
     best.to_skin << map * flip, Eigen::Vector2f::Zero();
     best.start = skin.center;
   }
+  best.lost_grain = lost_grain;
+  best.center = particles.position[particle].cast<float>();
   return best;
 }
 

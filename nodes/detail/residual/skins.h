@@ -11,11 +11,11 @@
 
 namespace terrazzo::residual {
 
-// A particle whose shape was traced from a stone of about its size wears the skin of that stone, in its
-// place. Others wear the skin of another stone, projected along z, the direction in which the photograph
-// looked: it is moved and stretched so that the ellipse of the stone's silhouette falls on that of the
-// particle's, with as little stretching as possible (the optimal transport between two ellipses). Skins that
-// have the particle's color and size and need little stretching are preferred.
+// Every particle wears the skin of a stone of about its color and size. If that is the stone from which its
+// shape was traced, the skin lies in its place. That of another stone is projected along z, the direction in
+// which the photograph looked: it is moved and stretched so that the ellipse of the stone's silhouette falls
+// on that of the particle's, with as little stretching as possible (the optimal transport between two
+// ellipses). Skins that need little stretching, and above all no enlarging, are preferred.
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
@@ -28,19 +28,23 @@ class Skins {
   Vec3f ground(const Vec3f& mm, const Vec3f& color) const;
 
   bool bare(int particle) const { return worn_[particle].skin < 0; }
+  // How much of the photograph's fine grain a skin lacks because it is enlarged, from 0 to 1.
+  float lost_grain(int particle) const { return worn_[particle].lost_grain; }
   // The color at a point in mm of a particle that is not bare and otherwise has this color; scene-linear.
   Vec3f at(const Vec3f& mm, int particle, const Vec3f& color) const;
 
  private:
   struct Worn {
     int skin = -1;
+    float lost_grain = 0;
     // Pixels to the right and downwards per mm from the particle's position, and at that position.
     Eigen::Matrix<float, 2, 3> to_skin = Eigen::Matrix<float, 2, 3>::Zero();
     Eigen::Vector2f start = Eigen::Vector2f::Zero();
     Vec3f center = Vec3f::Zero();  // the particle's position, mm
   };
   std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;
-  Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2f& spread) const;
+  Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2f& spread,
+              const std::optional<Worn>& own) const;
 
   Vec3f box_;
   double pixel_size_;

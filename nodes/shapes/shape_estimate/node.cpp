@@ -21,9 +21,18 @@ CandidateOptions candidate_options(const Context& c) {
   return options;
 }
 
-// Where most stones are round, a class of other outlines is of parts: of balls that lie deep, in the shadow.
-bool is_of_parts(const std::vector<Outline>& outlines, bool others_round) {
-  return others_round && usual_relief(outlines) >= kRound;
+// Whether the class that covers most is of round stones.
+bool shows_balls(const std::vector<std::vector<Outline>>& of_class) {
+  double most = 0;
+  bool round = false;
+  for (const std::vector<Outline>& outlines : of_class) {
+    double area = 0;
+    for (const Outline& o : outlines) area += o.area;
+    if (area <= most) continue;
+    most = area;
+    round = usual_relief(outlines) < kRound;
+  }
+  return round;
 }
 
 // Shapes of every class with enough profiles. The others get the shapes of all profiles together.
@@ -37,14 +46,16 @@ std::vector<ClassEstimate> estimate_classes(Context& c, const Profiles& profiles
           .parameter("class");
     ++of_class[p.cls];
   }
+  std::vector<std::vector<Outline>> usable;
+  for (options.cls = 0; options.cls < profiles.classes; ++options.cls)
+    usable.push_back(candidates_of(profiles, options, c.work()).outlines);
+  // In a picture of balls, a class of other outlines is of parts: of balls that lie deep, in the shadow.
+  const bool balls = profiles.view == View::Surface && shows_balls(usable);
   std::vector<int> own, shared;
-  options.cls = -1;
-  const bool round =
-      profiles.view == View::Surface && mostly_round(candidates_of(profiles, options, c.work()).outlines);
-  for (options.cls = 0; options.cls < profiles.classes; ++options.cls) {
-    if (of_class[options.cls] == 0) continue;
-    const std::vector<Outline> usable = candidates_of(profiles, options, c.work()).outlines;
-    (usable.size() >= kFitLeast && !is_of_parts(usable, round) ? own : shared).push_back(options.cls);
+  for (int cls = 0; cls < profiles.classes; ++cls) {
+    if (of_class[cls] == 0) continue;
+    const bool parts = balls && usual_relief(usable[cls]) >= kRound;
+    (usable[cls].size() >= kFitLeast && !parts ? own : shared).push_back(cls);
   }
   std::vector<ClassEstimate> out;
   const double parts = static_cast<double>(own.size()) + (shared.empty() ? 0 : 1);

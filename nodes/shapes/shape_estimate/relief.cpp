@@ -37,14 +37,4 @@ double usual_relief(const std::vector<Outline>& outlines) {
   return at_rank(all, all.size() * kQuartile);
 }
 
-bool mostly_round(const std::vector<Outline>& outlines) {
-  double all = 0;
-  double round = 0;
-  for (const Outline& o : outlines) {
-    all += o.area;
-    if (relief_of(o) < kRound) round += o.area;
-  }
-  return round > 0 && round >= all / 2;
-}
-
 }  // namespace terrazzo::shape_estimate

@@ -19,7 +19,4 @@ double usual_relief(const std::vector<Outline>&);
 // photographed stones have 0.04 or more.
 inline constexpr double kRound = 0.03;
 
-// Whether stones with less relief than that fill at least half of the area of all outlines.
-bool mostly_round(const std::vector<Outline>&);
-
 }  // namespace terrazzo::shape_estimate
