@@ -89,7 +89,7 @@ struct Detail {
     return ((usual.array().max(0) + kSkinDark) * shade.array().exp() - kSkinDark).max(0);
   }
   std::vector<Skin> skins;  // of a surface's stones; other views have none
-  // The soil between a surface's stones as the photograph shows it, completed where stones lie: skin_shade()
+  // The soil between a surface's stones sewn together from the photograph's: skin_shade()
   // relative to the mean color of the soil, row by row from the top. Empty: none.
   struct Ground {
     int width = 0, height = 0;  // pixels of the photograph

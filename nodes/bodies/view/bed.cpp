@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "graph/diagnostic.h"
 #include "nodes/bodies/view/settle.h"
@@ -137,10 +136,10 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
 
 // Soil holds the stones that it touches. None rest on others as in a heap.
 bool Bed::hangs_above(const carving::RayScene::Instance& stone, float soil) const {
-  float lowest = std::numeric_limits<float>::max();
-  for (const Vec3f& p : meshes_.triangles[stone.mesh].positions)
-    lowest = std::min(lowest, stone.linear.row(2).dot(p));
-  return stone.offset.z() + lowest > soil;
+  const Vec3f down = stone.linear.row(2);
+  const auto& points = meshes_.triangles[stone.mesh].positions;
+  const float touched = soil + 1e-3F * top_ - stone.offset.z();  // rounding lifts stones a little
+  return std::none_of(points.begin(), points.end(), [&](const Vec3f& p) { return down.dot(p) <= touched; });
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

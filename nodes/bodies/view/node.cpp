@@ -20,6 +20,9 @@ View resolved_view(const Context& c, const Profiles* photograph) {
   return photograph ? photograph->view : View::Section;
 }
 
+// Of the softness that was measured across outlines. The rest is that of outlines which lie beside the edge.
+constexpr double kSharp = 0.4;
+
 // Random planes, whose size and pixels are those of pictures from above too.
 section::SectionLayout layout_of(Context& c, const Vec3& box) {
   constexpr int kMost = 1024;
@@ -106,8 +109,9 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   SurfaceOptions options = surface_options(c, layout, particles.box, photograph);
   std::optional<residual::Skins> skins;
   if (const Detail* detail = c.optional<Detail>("detail")) {
-    skins.emplace(*detail, particles, shapes, layout.pixel_size);
+    skins.emplace(*detail, particles, shapes, layout.pixel_size, c.work().quiet());
     options.tones = detail->tones;
+    options.softness = kSharp * detail->softness * detail->pixel_size;
   }
   SurfaceView result =
       show_surface(particles, shapes, options, field, skins ? &*skins : nullptr, c.work().part(0.1, 1));
@@ -124,6 +128,8 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
 // A photograph of stones from outside shows their form and their shadows as broad light and shade, which this
 // view makes itself. Only their hue is their own.
 Detail without_light(Detail detail) {
+  detail.skins.clear();
+  detail.ground = {};
   for (Detail::Phase& phase : detail.phases) {
     phase.slope = 0;
     for (Vec3f& offset : phase.broad) offset -= Vec3f::Constant(offset.mean());

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "nodes/bodies/view/exposure.h"
+#include "nodes/bodies/view/softness.h"
 #include "nodes/bodies/view/tones.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/luminance.h"
@@ -96,6 +97,8 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
+  soften_outlines(pixels, stone_, options_.pixels_x, options_.pixels_y,
+                  options_.softness / options_.pixel_size);
 }
 
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
@@ -201,7 +204,8 @@ BedPoint Painter::color_pixel(int x, int row) {
   const BedPoint point = seen(x + 0.5f, row + 0.5f);
   stone_[i] = point.stone;
   height_[i] = point.at.z();
-  color_[i] = colors_.at(bed_.in_packing(point), point.stone < 0 ? -1 : bed_.particle(point.stone), true);
+  const bool sharp = point.stone >= 0 || !options_.loose;  // between loose stones is only shadow
+  color_[i] = colors_.at(bed_.in_packing(point), point.stone < 0 ? -1 : bed_.particle(point.stone), sharp);
   return point;
 }
 

@@ -33,6 +33,7 @@ struct SurfaceOptions {
   // Profiles::light of the photograph, not 0; nothing: the sun has the share that `light` says.
   std::optional<Vec2> slope;
   std::vector<float> tones;  // Detail::tones of the photograph
+  double softness = 0;       // of outlines, mm
   bool shaded = true;        // whether light falls on the stones; otherwise they have flat colors
   Light light;
   std::uint64_t seed = 1;
@@ -49,9 +50,9 @@ struct SurfaceView {
 
 // Light is scaled so that the median stone pixel and the mean soil pixel of each picture have the colors that
 // the particles and the binder give them, which a photograph's light has already changed; then that on
-// stones so that they have the given brightness. `detail` and `skins` may be
-// null. Throws Error "too-many-pixels" beyond 64 megapixels in all, "no-particles", "too-many-particles" and
-// the errors of render_mesh.
+// stones so that they have the given brightness; last, all tones become the photograph's, if they are known.
+// `detail` and `skins` may be null. Throws Error "too-many-pixels" beyond 64 megapixels in all,
+// "no-particles", "too-many-particles" and the errors of render_mesh.
 SurfaceView show_surface(const Particles&, const Shapes&, const SurfaceOptions&,
                          const residual::ResidualField* detail, const residual::Skins* skins = nullptr,
                          const Work& = {});

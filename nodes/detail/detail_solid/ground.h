@@ -17,7 +17,8 @@ namespace terrazzo::detail_solid {
 Detail::Ground find_ground(const Image&, const Labels&, const Labels* mask, const Profiles&,
                            std::uint64_t seed, const Work& = {});
 
-// Detail::tones of a surface; nothing of other views.
-std::vector<float> find_tones(const Image&, const Profiles&);
+// Detail::tones of a surface, where the mask is 0; nothing of other views. The photograph must have passed
+// check_photograph.
+std::vector<float> find_tones(const Image&, const Labels* mask, const Profiles&);
 
 }  // namespace terrazzo::detail_solid

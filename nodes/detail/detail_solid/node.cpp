@@ -71,9 +71,9 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
 void keep_surface(const Context& c, const Image& image, const Labels& labels, const Profiles& profiles,
                   Detail& detail) {
   detail.skins = find_skins(image, labels, profiles, c.work().quiet());
-  detail.ground =
-      find_ground(image, labels, c.optional<Labels>("mask"), profiles, c.seed(), c.work().quiet());
-  detail.tones = find_tones(image, profiles);
+  const Labels* mask = c.optional<Labels>("mask");
+  detail.ground = find_ground(image, labels, mask, profiles, c.seed(), c.work().quiet());
+  detail.tones = find_tones(image, mask, profiles);
 }
 
 void compute(Context& c) {

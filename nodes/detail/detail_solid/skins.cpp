@@ -15,10 +15,12 @@
 namespace terrazzo::detail_solid {
 namespace {
 
-constexpr double kLeastPixels = 100;  // of a stone
-constexpr double kVisible = 0.7;      // share of its silhouette that nothing hides
-constexpr float kShadow = -1.1F;      // shade of what lies in the shadow of another stone
-constexpr double kShadowed = 0.1;    // share of a stone on which too much of a shadow falls
+constexpr double kLeastPixels = 100;     // of a stone
+constexpr double kLeastSeen = 40;        // of them, away from its outline
+constexpr double kMostPixels = 8 << 20;  // of all skins: 96 MiB
+constexpr double kVisible = 0.7;         // share of its silhouette that nothing hides
+constexpr float kShadow = -1.1F;         // shade of what lies in the shadow of another stone
+constexpr double kShadowed = 0.1;        // share of a stone on which too much of a shadow falls
 constexpr double kOwnForm =
     0.6;  // share of what a stone's form differs from the others' that is light and shade
 constexpr float kInside = 1.5F;   // pixels inside outlines that the camera mixes with what is behind
@@ -29,6 +31,10 @@ using Plane = Eigen::Matrix<double, 6, 1>;
 struct Box {
   int left = 1 << 30, top = 1 << 30, right = -1, bottom = -1;  // the last ones included
   double pixels = 0;
+  int margin() const { return round_up(kMargin * std::max(right - left + 1, bottom - top + 1)); }
+  double with_margin() const {
+    return double(right - left + 1 + 2 * margin()) * (bottom - top + 1 + 2 * margin());
+  }
   void add(int x, int y) {
     left = std::min(left, x);
     right = std::max(right, x);
@@ -60,7 +66,7 @@ cv::Mat depth_in(const std::vector<std::uint8_t>& inside, int width, int height)
 Stone cut_out(const Image& image, const Labels& labels, const Profile& profile, int id, const Box& box) {
   Stone stone;
   Detail::Skin& skin = stone.skin;
-  const int margin = round_up(kMargin * std::max(box.right - box.left + 1, box.bottom - box.top + 1));
+  const int margin = box.margin();
   const int left = box.left - margin;
   const int top = box.top - margin;
   skin.width = box.right - box.left + 1 + 2 * margin;
@@ -87,9 +93,11 @@ Stone cut_out(const Image& image, const Labels& labels, const Profile& profile, 
       sum += at;
       squares += at * at.transpose();
     }
+  constexpr double kOfAPixel = 1.0 / 12;
   const Vec2 center = sum / box.pixels;
   skin.center = center.cast<float>();
-  skin.spread = (squares / box.pixels - center * center.transpose()).cast<float>();
+  skin.spread = (squares / box.pixels - center * center.transpose() + kOfAPixel * Eigen::Matrix2d::Identity())
+                    .cast<float>();
   const cv::Mat depth = depth_in(inside, skin.width, skin.height);
   const float deepest = *std::max_element(depth.begin<float>(), depth.end<float>());
   for (std::size_t i = 0; i < pixels; ++i) {
@@ -146,14 +154,15 @@ void remove_form(std::vector<Stone>& stones) {
   }
 }
 
-bool in_shadow(const Stone& stone) {
+// Whether enough of a stone is away from its outline, and outside of shadows that others cast on it.
+bool shows_itself(const Stone& stone) {
   double dark = 0;
   double all = 0;
   each_seen(stone, [&](std::size_t i) {
     dark += luminance_of(stone.skin.shade[i]) < kShadow;
     ++all;
   });
-  return dark > kShadowed * all;
+  return all >= kLeastSeen && dark <= kShadowed * all;
 }
 
 // What all stones have in common from the outline inwards is shade, too: neighbors hide the sky there.
@@ -204,6 +213,22 @@ std::vector<Box> boxes_of(const Labels& labels) {
   return boxes;
 }
 
+// Complete stones that are large enough and mostly visible.
+std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& profiles,
+                                       const std::vector<Box>& boxes) {
+  std::vector<std::size_t> usable;
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    const Profile& p = profiles.profiles[k];
+    if (p.section < 0 || p.section >= labels.sections)
+      throw Error("size-mismatch",
+                  fmt::format("profile {} is in section {} of {}", k + 1, p.section + 1, labels.sections),
+                  "use labels and profiles of the same segmentation");
+    if (p.area > 0 && !p.touches_border && boxes[k].pixels >= kLeastPixels && p.area >= kVisible * p.whole)
+      usable.push_back(k);
+  }
+  return usable;
+}
+
 }  // namespace
 
 std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, const Profiles& profiles,
@@ -215,13 +240,16 @@ std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, c
         fmt::format("there are {} profiles, and {} in the labels", profiles.profiles.size(), labels.count()),
         "use labels and profiles of the same segmentation");
   const std::vector<Box> boxes = boxes_of(labels);
+  const std::vector<std::size_t> usable = usable_stones(labels, profiles, boxes);
+  double pixels = 0;
+  for (const std::size_t k : usable) pixels += boxes[k].with_margin();
+  const std::size_t step = round_up(std::max(1.0, pixels / kMostPixels));  // every second stone, and so on
   std::vector<Stone> stones;
-  for (std::size_t k = 0; k < boxes.size(); ++k) {
+  for (std::size_t n = 0; n < usable.size(); n += step) {
     work.check();
-    const Profile& p = profiles.profiles[k];
-    if (p.touches_border || boxes[k].pixels < kLeastPixels || p.area < kVisible * p.whole) continue;
-    Stone stone = cut_out(image, labels, p, static_cast<int>(k) + 1, boxes[k]);
-    if (!in_shadow(stone)) stones.push_back(std::move(stone));
+    const std::size_t k = usable[n];
+    Stone stone = cut_out(image, labels, profiles.profiles[k], static_cast<int>(k) + 1, boxes[k]);
+    if (shows_itself(stone)) stones.push_back(std::move(stone));
   }
   remove_form(stones);
   remove_rims(stones);

@@ -14,15 +14,18 @@
 namespace terrazzo::residual {
 namespace {
 
-using Mat2f = Eigen::Matrix2f;
+using Mat2 = Eigen::Matrix2d;
 
 constexpr std::uint64_t kSkinStream = 0x736b696e;
 // Differences in Oklab, in the logarithm of the size and in that of the stretching that count equally.
-constexpr float kColorSpread = 0.03F, kSizeSpread = 0.5F, kStretchSpread = 0.2F;
-constexpr float kEnlarged = 4;     // how much worse it is to enlarge a skin than to reduce it
-constexpr float kStrange = 1;      // how much worse the skin of another stone is, whose outline differs
-constexpr float kChance = 0.5F;    // of the choice: no skin is worn by all stones of one kind
-constexpr float kSmallest = 0.6F;  // particle that wears a skin, in the smallest skin
+constexpr double kColorSpread = 0.03, kSizeSpread = 0.5, kStretchSpread = 0.2;
+constexpr double kEnlarged = 4;    // how much worse it is to enlarge a skin than to reduce it
+constexpr double kStrange = 1;     // how much worse the skin of another stone is, whose outline differs
+constexpr double kChance = 0.5;    // of the choice: no skin is worn by all stones of one kind
+constexpr double kWorn = 1;        // how much worse a skin is that covers as much as one on average
+constexpr double kSmallest = 0.6;  // particle that wears a skin, in the smallest skin
+
+double square(double v) { return v * v; }
 
 // Of a solid about its centroid, the origin: sums over tetrahedra with one corner there.
 Mat3 covariance_of(const Mesh& mesh) {
@@ -40,29 +43,27 @@ Mat3 covariance_of(const Mesh& mesh) {
 }
 
 // The variance of points of the silhouette, seen along z, of the ellipsoid with this covariance.
-Mat2f spread_from_above(const Mat3& covariance) {
-  return (1.25 * covariance.topLeftCorner<2, 2>()).cast<float>();
-}
+Mat2 spread_from_above(const Mat3& covariance) { return 1.25 * covariance.topLeftCorner<2, 2>(); }
 
 // Of a symmetric, positive matrix (Cayley and Hamilton).
-Mat2f root_of(const Mat2f& m) {
-  const float s = std::sqrt(std::max(m.determinant(), 0.0F));
-  const float t = std::sqrt(std::max(m.trace() + 2 * s, std::numeric_limits<float>::min()));
-  return (m + s * Mat2f::Identity()) / t;
+Mat2 root_of(const Mat2& m) {
+  const double s = std::sqrt(std::max(m.determinant(), 0.0));
+  const double t = std::sqrt(std::max(m.trace() + 2 * s, std::numeric_limits<double>::min()));
+  return (m + s * Mat2::Identity()) / t;
 }
 
-// The symmetric matrix that maps one ellipse to another (Olkin and Pukelsheim 1982).
-Mat2f transport(const Mat2f& from, const Mat2f& to) {
-  const Mat2f root = root_of(from);
-  const Mat2f inverse = root.inverse();
-  return inverse * root_of(root * to * root) * inverse;
-}
+// The symmetric matrices that map an ellipse to others (Olkin and Pukelsheim 1982).
+struct Transport {
+  Mat2 root, inverse;
+  explicit Transport(const Mat2& from) : root(root_of(from)), inverse(root.inverse()) {}
+  Mat2 to(const Mat2& other) const { return inverse * root_of(root * other * root) * inverse; }
+};
 
 // How much longer one direction becomes than the other, as a logarithm.
-float stretching(const Mat2f& symmetric) {
-  const float mean = symmetric.trace() / 2;
-  const float part = std::sqrt(std::max(0.0F, mean * mean - symmetric.determinant()));
-  return std::log((mean + part) / std::max(mean - part, 1e-6F * mean));
+double stretching(const Mat2& symmetric) {
+  const double mean = symmetric.trace() / 2;
+  const double part = std::sqrt(std::max(0.0, mean * mean - symmetric.determinant()));
+  return std::log((mean + part) / std::max(mean - part, 1e-6 * mean));
 }
 
 // Between pixel centers by Catmull and Rom's cubic, which keeps grain sharp. `index`: of the pixel in a
@@ -86,25 +87,35 @@ Vec3f sample(const std::vector<Vec3f>& values, float x, float y, Index&& index) 
   return sum;
 }
 
-void smooth(std::vector<Vec3f>& shade, int width, int height, double pixels) {
+// For pixels that cover several of a picture. `border`: how it continues, of OpenCV's kinds.
+void smooth(std::vector<Vec3f>& shade, int width, int height, double pixels, int border) {
   if (pixels <= 1) return;
-  cv::Mat values(height, width, CV_32FC3, shade.data());
-  cv::GaussianBlur(values, values, {0, 0}, std::sqrt((pixels * pixels - 1) / 12), 0, cv::BORDER_REPLICATE);
+  const double sigma = std::min(std::sqrt((pixels * pixels - 1) / 12), double(std::min(width, height)) / 4);
+  const int around = std::min(round_up(3 * sigma), std::min(width, height));
+  const cv::Mat values(height, width, CV_32FC3, shade.data());
+  cv::Mat wide;
+  cv::copyMakeBorder(values, wide, around, around, around, around, border);
+  cv::GaussianBlur(wide, wide, {0, 0}, sigma);
+  wide(cv::Rect(around, around, width, height)).copyTo(values);
 }
 
 }  // namespace
 
-Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& shapes, double footprint)
+Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& shapes, double footprint,
+             const Work& work)
     : box_(particles.box.cast<float>()),
       pixel_size_(detail.pixel_size),
       ground_(detail.ground),
       skins_(detail.skins) {
-  if (has_ground()) smooth(ground_.shade, ground_.width, ground_.height, footprint / detail.pixel_size);
+  if (has_ground())
+    smooth(ground_.shade, ground_.width, ground_.height, footprint / detail.pixel_size, cv::BORDER_WRAP);
   worn_.resize(particles.count());
   if (skins_.empty()) return;
+  covers_.assign(skins_.size(), 0);
+  for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
   smallest_ = std::numeric_limits<float>::max();
   for (Detail::Skin& skin : skins_) {
-    smooth(skin.shade, skin.width, skin.height, footprint / detail.pixel_size);
+    smooth(skin.shade, skin.width, skin.height, footprint / detail.pixel_size, cv::BORDER_REPLICATE);
     oklab_.push_back(linear_to_oklab(skin.color));
     smallest_ = std::min(smallest_, skin.size);
     of_profile_[skin.profile] = count_of(oklab_) - 1;
@@ -113,10 +124,12 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   for (const Shape& shape : shapes.shapes) covariance.push_back(covariance_of(shape.mesh));
   for (std::size_t p = 0; p < particles.count(); ++p) {
     if (particles.is_void(p) || particles.size[p] < kSmallest * smallest_) continue;
+    work.check();
     const std::int32_t shape = particles.shape[p];
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
     worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
                       own_skin(shapes.shapes[shape], particles, p));
+    if (!bare(static_cast<int>(p))) covers_[worn_[p].skin] += square(particles.size[p]);
   }
 }
 
@@ -139,39 +152,38 @@ std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& 
   return worn;
 }
 
-Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, const Mat2f& spread,
+Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, const Mat2& spread,
                           const std::optional<Worn>& own) const {
   const Vec3f color = linear_to_oklab(particles.color[particle]);
-  const float size =
-      4 * std::sqrt(std::sqrt(spread.determinant()));      // the ellipse's half axes are two deviations
-  const Mat2f flip = Eigen::Vector2f(1, -1).asDiagonal();  // rows of pictures run downwards
+  // The ellipse's half axes are two standard deviations.
+  const double size = 4 * std::sqrt(std::sqrt(std::max(0.0, spread.determinant())));
+  const Mat2 flip = Vec2(1, -1).asDiagonal();  // rows of pictures run downwards
+  const Transport transport(flip * spread * flip);
   Random random(1, kSkinStream, particle);
   Worn best;
-  float lost_grain = 0;  // all of it where a pixel covers two
-  float least = std::numeric_limits<float>::max();
+  best.center = particles.position[particle].cast<float>();
+  double least = std::numeric_limits<double>::max();
   for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
     const bool is_own = own && own->skin == k;
-    const Mat2f map = transport(flip * spread * flip, skin.spread);
-    float larger = std::log(size / skin.size);
+    const Mat2 map = transport.to(skin.spread.cast<double>());
+    double larger = std::log(size / skin.size);
     if (larger > 0) larger *= kEnlarged;
-    const float stretched = is_own ? 0 : stretching(map) / kStretchSpread;
-    const float cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
-                       larger * larger / (kSizeSpread * kSizeSpread) + stretched * stretched +
-                       (is_own ? 0 : kStrange) + kChance * static_cast<float>(random.uniform());
-    if (cost >= least) continue;
+    const double stretched = is_own ? 0 : stretching(map) / kStretchSpread;
+    const double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
+                        larger * larger / (kSizeSpread * kSizeSpread) + stretched * stretched +
+                        (is_own ? 0 : kStrange) + kWorn * covers_[k] / usual_cover_ +
+                        kChance * random.uniform();
+    if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
-    lost_grain = std::clamp(std::log2(size / skin.size), 0.0F, 1.0F);
-    if (is_own) {
-      best = *own;
-      continue;
-    }
     best.skin = k;
-    best.to_skin << map * flip, Eigen::Vector2f::Zero();
-    best.start = skin.center;
+    best.lost_grain = static_cast<float>(std::clamp(std::log2(size / skin.size), 0.0, 1.0));
+    best.start = is_own ? own->start : skin.center;
+    if (is_own)
+      best.to_skin = own->to_skin;
+    else
+      best.to_skin << (map * flip).cast<float>(), Eigen::Vector2f::Zero();
   }
-  best.lost_grain = lost_grain;
-  best.center = particles.position[particle].cast<float>();
   return best;
 }
 

@@ -8,6 +8,7 @@
 #include "nodes/data/detail.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "runtime/work.h"
 
 namespace terrazzo::residual {
 
@@ -15,15 +16,16 @@ namespace terrazzo::residual {
 // shape was traced, the skin lies in its place. That of another stone is projected along z, the direction in
 // which the photograph looked: it is moved and stretched so that the ellipse of the stone's silhouette falls
 // on that of the particle's, with as little stretching as possible (the optimal transport between two
-// ellipses). Skins that need little stretching, and above all no enlarging, are preferred.
+// ellipses). Skins that need little stretching, and above all no enlarging, are preferred, and those that few
+// others wear.
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
   // bare without skins, or if they are much smaller than all stones that have one.
-  Skins(const Detail&, const Particles&, const Shapes&, double footprint);
+  Skins(const Detail&, const Particles&, const Shapes&, double footprint, const Work& = {});
 
-  // The soil at a point in mm, where it otherwise has this color: the photograph's, which repeats as its own
-  // mirror image. Only if there is such a photograph.
+  // The soil at a point in mm, where it otherwise has this color: the photograph's, which repeats
+  // seamlessly. Only if there is such a photograph.
   bool has_ground() const { return !ground_.shade.empty(); }
   Vec3f ground(const Vec3f& mm, const Vec3f& color) const;
 
@@ -43,7 +45,7 @@ class Skins {
     Vec3f center = Vec3f::Zero();  // the particle's position, mm
   };
   std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;
-  Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2f& spread,
+  Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2d& spread,
               const std::optional<Worn>& own) const;
 
   Vec3f box_;
@@ -53,6 +55,8 @@ class Skins {
   std::vector<Vec3f> oklab_;                // colors of skins
   std::map<std::int32_t, int> of_profile_;  // number of the skin
   float smallest_ = 0;                      // skin, mm
+  std::vector<double> covers_;              // squares of the sizes of the particles that wear each skin
+  double usual_cover_ = 0;                  // on average
   std::vector<Worn> worn_;                  // by each particle
 };
 

@@ -236,7 +236,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
     const Vec2 before = made.estimate.mesh.vertices[0].head<2>();
     Shape shape = measure_shape(name, std::move(made.estimate.mesh), 1.0 / count, work);
     shape.smooth = made.estimate.smooth;
-    if (method.lies) {
+    if (method.lies && thickness) {  // of a surface
       const Outline& o = request.chosen[0];
       shape.traced.profile = o.id;
       shape.traced.turn = o.turn;

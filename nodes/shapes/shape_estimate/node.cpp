@@ -48,7 +48,8 @@ std::vector<ClassEstimate> estimate_classes(Context& c, const Profiles& profiles
   }
   std::vector<std::vector<Outline>> usable;
   for (options.cls = 0; options.cls < profiles.classes; ++options.cls)
-    usable.push_back(candidates_of(profiles, options, c.work()).outlines);
+    usable.push_back(of_class[options.cls] == 0 ? std::vector<Outline>()
+                                                : candidates_of(profiles, options, c.work()).outlines);
   // In a picture of balls, a class of other outlines is of parts: of balls that lie deep, in the shadow.
   const bool balls = profiles.view == View::Surface && shows_balls(usable);
   std::vector<int> own, shared;

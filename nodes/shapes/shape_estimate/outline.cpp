@@ -90,7 +90,9 @@ std::vector<Vec2> smoothed(const std::vector<Vec2>& p, double sigma) {
   const double area = loop_area(out);
   if (!(area > 0)) return p;
   const double scale = std::sqrt(loop_area(p) / area);
-  for (auto& q : out) q *= scale;
+  Vec2 middle = Vec2::Zero();
+  for (const Vec2& q : out) middle += q / n;
+  for (Vec2& q : out) q = middle + scale * (q - middle);
   return out;
 }
 

@@ -30,7 +30,7 @@ std::vector<float> tones_of(const std::vector<Vec3f>& colors) {
 
 TEST(Tones, BecomeThoseOfThePhotographAndKeepTheirOrder) {
   const std::vector<Vec3f> before = colors(1);
-  const std::vector<float> wanted = tones_of(colors(2));
+  const std::vector<float> wanted = tones_of(colors(1.5));
   std::vector<Vec3f> after = before;
   view::match_tones(after, wanted);
   const std::vector<float> made = tones_of(after);

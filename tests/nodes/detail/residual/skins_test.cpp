@@ -39,14 +39,14 @@ Shapes ball_of_3mm() {
   return test::one_shape(std::move(mesh));
 }
 
-Particles one_particle(const Vec3& at, const Quat& turn, double scale) {
+Particles one_particle(const Vec3& at, const Quat& turn, double scale, double size = 6) {
   Particles p;
   p.box = Vec3(100, 100, 100);
   p.resize(1);
   p.position[0] = at;
   p.orientation[0] = turn;
   p.scale[0] = scale;
-  p.size[0] = 6 * scale;
+  p.size[0] = size * scale;
   return p;
 }
 
@@ -75,7 +75,8 @@ TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
   expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), Vec3(0, 99, 50)), 10,
               20);
   const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
-  expect_near(read(Skins(detail, one_particle(at, quarter, 0.5), shapes, 0.1), at + Vec3(0, 1, 0)), 20, 0);
+  expect_near(read(Skins(detail, one_particle(at, quarter, 0.7), shapes, 0.1), at + Vec3(0, 1, 0)), 14.29F,
+              0);
   // The mesh was turned when it was traced.
   shapes.shapes[0].traced.turn = pi / 2;
   expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at + Vec3(1, 0, 0)), 0,
@@ -96,7 +97,7 @@ TEST(SkinsOfParticles, OthersStretchASkinOverTheirSilhouette) {
   expect_near(read(along, at + Vec3(6, 0, 0)), 30, 0, 1);
   expect_near(read(along, at + Vec3(0, 3, 0)), 0, -30, 1);
   const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
-  const Skins turned(detail, one_particle(at, quarter, 0.5), shapes, 0.1);
+  const Skins turned(detail, one_particle(at, quarter, 0.5, 8.5), shapes, 0.1);
   expect_near(read(turned, at + Vec3(0, 3, 0)), 0, -30, 1);  // never turned, only stretched
   expect_near(read(turned, at + Vec3(1.5, 0, 0)), 30, 0, 1);
 }
@@ -113,6 +114,41 @@ TEST(SkinsOfParticles, ColorAndSizeChoose) {
   EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f::Constant(50), 0, p.color[0]), p.color[0]).z(), 0.5, 1e-3);
   EXPECT_TRUE(Skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 0.3), ball_of_3mm(), 0.1).bare(0));
   EXPECT_TRUE(Skins(Detail(), p, ball_of_3mm(), 0.1).bare(0));
+}
+
+TEST(SkinsOfParticles, AllSkinsCoverAboutAsMuch) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  for (int k = 0; k < 5; ++k) {
+    detail.skins.push_back(chart(k + 1, Vec3f::Constant(0.5F)));
+    for (Vec3f& v : detail.skins[k].shade) v = Vec3f::Constant(0.1F * static_cast<float>(k));
+  }
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  p.resize(100);
+  for (int i = 0; i < 100; ++i) {
+    p.position[i] = Vec3(50, 50, 50);
+    p.orientation[i] = Quat::Identity();
+    p.size[i] = 6;
+    p.color[i] = Vec3f::Constant(0.5F);
+  }
+  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  std::vector<int> worn(5, 0);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3f shade = Detail::skin_shade(skins.at(Vec3f::Constant(50), i, p.color[i]), p.color[i]);
+    ++worn.at(std::lround(shade.x() / 0.1F));
+    EXPECT_NEAR(skins.lost_grain(i), 0, 1e-5);
+  }
+  for (const int n : worn) EXPECT_NEAR(n, 20, 8);
+}
+
+TEST(SkinsOfParticles, EnlargedOnesLackGrainAndBadOnesAreNotWorn) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 2);
+  EXPECT_NEAR(Skins(detail, p, ball_of_3mm(), 0.1).lost_grain(0), 1, 0.01);
+  p.color[0] = Vec3f::Constant(std::nanf(""));
+  EXPECT_TRUE(Skins(detail, p, ball_of_3mm(), 0.1).bare(0));
 }
 
 TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {

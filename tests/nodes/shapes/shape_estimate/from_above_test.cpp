@@ -9,6 +9,7 @@
 #include "nodes/common/geometry/mesh/shortest_axis.h"
 #include "nodes/packing/rigid/lying.h"
 #include "nodes/shapes/shape_estimate/from_above.h"
+#include "nodes/shapes/shape_estimate/outline.h"
 #include "tests/nodes/shapes/shape_estimate/synthetic_profiles.h"
 #include "tests/support/run_node.h"
 
@@ -129,7 +130,8 @@ TEST(FromAbove, TracedShapesKnowTheirPlaceInThePhotograph) {
     q.area = q.whole = loop_area(q.contour);
     p.profiles.push_back(q);
   }
-  const auto run = terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}});
+  const auto run =
+      terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}}, {{"method", "auto"}});
   for (const Shape& s : run.output<Shapes>("shapes").shapes) {
     ASSERT_GE(s.traced.profile, 1) << s.name;
     const Loop& contour = p.profiles[s.traced.profile - 1].contour;
@@ -143,6 +145,20 @@ TEST(FromAbove, TracedShapesKnowTheirPlaceInThePhotograph) {
     }
     EXPECT_LT(farthest, 0.25) << s.name;  // the mesh has a vertex at least every 0.2 mm
   }
+}
+
+// Outlines that follow pixels are smoothed, which must not move them.
+TEST(FromAbove, SmoothedOutlinesStayInTheirPlace) {
+  const Vec2 center(2000, 1500);
+  constexpr int kRadius = 12;
+  std::vector<Vec2> steps;  // around the disc, one for each pixel of its border
+  for (int k = 0; k < 72; ++k) {
+    const double t = 2 * pi * k / 72;
+    steps.push_back(center + Vec2(std::round(kRadius * std::cos(t)), std::round(kRadius * std::sin(t))));
+  }
+  const Outline o = make_outline(1, steps, 25);
+  EXPECT_GT(o.blur, 0);
+  EXPECT_NEAR((o.center - center).norm(), 0, 0.1);
 }
 
 // Balls in the light, and parts of balls in the shadow: all shapes are balls.
@@ -162,10 +178,13 @@ TEST(FromAbove, PartsOfBallsAreNoShapes) {
     q.area = q.whole = loop_area(q.contour);
     p.profiles.push_back(q);
   }
-  const auto run =
-      terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}}, {{"class", "each"}});
+  const auto run = terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of<Profiles>(p)}},
+                                            {{"method", "auto"}, {"class", "each"}});
   EXPECT_EQ(run.metrics.at("classes_with_shapes_of_all"), 1);
-  for (const Shape& s : run.output<Shapes>("shapes").shapes) EXPECT_LE(s.traced.profile, 50) << s.name;
+  for (const Shape& s : run.output<Shapes>("shapes").shapes) {
+    EXPECT_GE(s.traced.profile, 1) << s.name;
+    EXPECT_LE(s.traced.profile, 50) << s.name;
+  }
 }
 
 // Stones of a surface: as many shapes as asked, lying, with the photograph's outlines from above.
