@@ -1,5 +1,6 @@
 #include "nodes/bodies/view/shader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -65,10 +66,23 @@ float Shader::sun(const BedPoint& point, std::uint64_t random) const {
   return sum / (kSuns * level_);
 }
 
+// In the deepest gaps, where few rays see the sky, four times as many tell more or less of it from none.
 float Shader::sky(const BedPoint& point, std::uint64_t random) const {
-  const Across across(point.normal);
+  constexpr int kFew = 2, kSets = 4;
+  constexpr float kUnseen = 0.5F;  // rays: none of so many does not mean that nothing is open
   const float shift = upper_half(random);
   const float turn = lower_half(random);
+  int open = open_rays(point, shift, turn);
+  int sets = 1;
+  for (; open <= kFew * sets && sets < kSets; ++sets) {
+    const float between = static_cast<float>(sets) / (kSets * kSkyRays);
+    open += open_rays(point, shift + between, turn + between);
+  }
+  return std::max(kUnseen, static_cast<float>(open)) / static_cast<float>(sets * kSkyRays);
+}
+
+int Shader::open_rays(const BedPoint& point, float shift, float turn) const {
+  const Across across(point.normal);
   int open = 0;
   for (int k = 0; k < kSkyRays; ++k) {
     const float u = fraction((k + 0.5f) / kSkyRays + shift);
@@ -80,7 +94,7 @@ float Shader::sky(const BedPoint& point, std::uint64_t random) const {
     if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction, reach_)) continue;
     ++open;
   }
-  return static_cast<float>(open) / kSkyRays;
+  return open;
 }
 
 }  // namespace terrazzo::view

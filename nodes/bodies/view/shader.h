@@ -19,10 +19,11 @@ class Shader {
   // degrees, as in haze, turned by the random number.
   float sun(const BedPoint&, std::uint64_t random) const;
   // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
-  // stratified directions, shifted by the random number.
+  // stratified directions, shifted by the random number, or 64 where few are open. Never 0.
   float sky(const BedPoint&, std::uint64_t random) const;
 
  private:
+  int open_rays(const BedPoint&, float shift, float turn) const;  // of 16
   Vec3f start(const BedPoint& point) const { return point.at + lift_ * point.face; }
 
   const Bed& bed_;
