@@ -21,7 +21,7 @@ View resolved_view(const Context& c, const Profiles* photograph) {
 }
 
 // Of the softness that was measured across outlines. The rest is that of outlines which lie beside the edge.
-constexpr double kSharp = 0.4;
+constexpr double kOfTheCamera = 0.4;
 
 // Random planes, whose size and pixels are those of pictures from above too.
 section::SectionLayout layout_of(Context& c, const Vec3& box) {
@@ -111,7 +111,7 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   if (const Detail* detail = c.optional<Detail>("detail")) {
     skins.emplace(*detail, particles, shapes, layout.pixel_size, c.work().quiet());
     options.tones = detail->tones;
-    options.softness = kSharp * detail->softness * detail->pixel_size;
+    options.softness = kOfTheCamera * detail->softness * detail->pixel_size;
   }
   SurfaceView result =
       show_surface(particles, shapes, options, field, skins ? &*skins : nullptr, c.work().part(0.1, 1));

@@ -25,12 +25,13 @@ void match_tones(std::vector<Vec3f>& colors, const std::vector<float>& tones) {
   for (const double share : kShares) {
     const float own = std::log(kBlack + sorted[static_cast<std::size_t>(share * (sorted.size() - 1))]);
     const float wanted = std::log(kBlack + tones[static_cast<std::size_t>(share * (tones.size() - 1))]);
-    if (!from.empty() && own <= from.back()) {  // of many equal ones, the middle counts
-      if (share <= 0.5) change.back() = std::clamp(wanted - own, -kMostChange, kMostChange);
-      continue;
+    const float by = std::clamp(wanted - own, -kMostChange, kMostChange);
+    if (from.empty() || own > from.back()) {
+      from.push_back(own);
+      change.push_back(by);
+    } else if (share <= 0.5) {  // of many equal ones, the middle counts
+      change.back() = by;
     }
-    from.push_back(own);
-    change.push_back(std::clamp(wanted - own, -kMostChange, kMostChange));
   }
   for (Vec3f& c : colors) {
     const float at = std::log(kBlack + luminance_of(c));

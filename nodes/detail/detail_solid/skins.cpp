@@ -21,11 +21,10 @@ constexpr double kMostPixels = 8 << 20;  // of all skins: 96 MiB
 constexpr double kVisible = 0.7;         // share of its silhouette that nothing hides
 constexpr float kShadow = -1.1F;         // shade of what lies in the shadow of another stone
 constexpr double kShadowed = 0.1;        // share of a stone on which too much of a shadow falls
-constexpr double kOwnForm =
-    0.6;  // share of what a stone's form differs from the others' that is light and shade
-constexpr float kInside = 1.5F;   // pixels inside outlines that the camera mixes with what is behind
-constexpr double kMargin = 0.25;  // around the visible part, in its larger extent
-constexpr int kRings = 12;        // from the outline to the middle
+constexpr double kOwnForm = 0.6;         // share of light and shade in what a stone's form has alone
+constexpr float kInside = 1.5F;          // pixels inside outlines that the camera mixes with what is behind
+constexpr double kMargin = 0.25;         // around the visible part, in its larger extent
+constexpr int kRings = 12;               // from the outline to the middle
 using Plane = Eigen::Matrix<double, 6, 1>;
 
 struct Box {
