@@ -1,13 +1,13 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "nodes/bodies/carving/body.h"
-#include "nodes/bodies/carving/ray_scene.h"
 
 namespace terrazzo::carving {
 namespace {
 
+constexpr float kFar = 1e30f;  // beyond every surface
+
+// A box, without the corner {x > low.x, y < high.y, z > low.z} if it has a cut.
 class Block : public CarvedBody {
  public:
   Block(const Vec3f& size, double cut, double bevel)
@@ -15,33 +15,85 @@ class Block : public CarvedBody {
     const float c = cut;
     low_ = Vec3f(size_.x() * (1 - c), 0, size_.z() * (1 - c));
     high_ = Vec3f(size_.x(), size_.y() * c, size_.z());
-    scene_ = std::make_unique<RayScene>(std::vector<RayScene::Triangles>{faces()},
-                                        std::vector<RayScene::Instance>{{}});
   }
 
   bool meet(const Vec3f& origin, const Vec3f& direction, SurfacePoint& s, float& at) const override {
-    RayHit hit;
-    if (!scene_->nearest(origin, direction, hit)) return false;
-    at = hit.distance;
-    const Face& face = faces_[owner_[hit.triangle]];
-    s.position = origin + hit.distance * direction;
+    Face face;
+    if (!first(origin, direction, at, face)) return false;
+    s.position = origin + at * direction;
     s.position[face.axis] = face.at;
     s.face = Vec3f::Zero();
     s.face[face.axis] = face.sign;
     s.normal = rounded(s.position, face);
-    s.open = owner_[hit.triangle] < 6;
+    s.open = !face.inner;
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {
-    return scene_->any(origin, direction);
+    float at;
+    Face face;
+    return first(origin, direction, at, face);
   }
   Eigen::AlignedBox3f bounds() const override { return {Vec3f(Vec3f::Zero()), size_}; }
 
  private:
   struct Face {
-    int axis;
-    float sign, at;
+    int axis = 0;
+    float sign = 1, at = 0;
+    bool inner = false;  // of the cut
   };
+  // The part of a ray within a convex region, and the faces through which it enters and leaves.
+  struct Part {
+    float from = -kFar, to = kFar;
+    Face in, out;
+  };
+
+  // Keeps the part on the inner side of a face.
+  static void keep(Part& part, const Vec3f& origin, const Vec3f& direction, const Face& face) {
+    const float d = face.sign * direction[face.axis], beyond = face.sign * (origin[face.axis] - face.at);
+    if (d == 0) {
+      if (beyond > 0) part.to = -kFar;
+      return;
+    }
+    const float at = -beyond / d;
+    if (d < 0 && at > part.from) {
+      part.from = at;
+      part.in = face;
+    } else if (d > 0 && at < part.to) {
+      part.to = at;
+      part.out = face;
+    }
+  }
+
+  // The first surface along the ray, from outside or inside.
+  bool first(const Vec3f& origin, const Vec3f& direction, float& at, Face& face) const {
+    Part box;
+    for (int k = 0; k < 3; ++k) {
+      keep(box, origin, direction, {k, -1, 0});
+      keep(box, origin, direction, {k, 1, size_[k]});
+    }
+    if (box.from >= box.to || box.to <= 0) return false;
+    const auto hit = [&](float distance, const Face& where) {
+      if (distance <= 0) return false;
+      at = distance;
+      face = where;
+      return true;
+    };
+    Part cut;
+    if (has_cut_) {
+      keep(cut, origin, direction, {0, -1, low_.x(), true});
+      keep(cut, origin, direction, {1, 1, high_.y(), true});
+      keep(cut, origin, direction, {2, -1, low_.z(), true});
+    }
+    if (!has_cut_ || cut.from >= cut.to || cut.to <= box.from || cut.from >= box.to)
+      return hit(box.from, box.in) || hit(box.to, box.out);
+    // Where the ray enters the cut, it leaves the solid, and the other way round.
+    const auto turned = [](Face f) {
+      f.sign = -f.sign;
+      return f;
+    };
+    if (cut.from > box.from && (hit(box.from, box.in) || hit(cut.from, turned(cut.in)))) return true;
+    return cut.to < box.to && (hit(cut.to, turned(cut.out)) || hit(box.to, box.out));
+  }
 
   bool inside(const Vec3f& p) const {
     for (int k = 0; k < 3; ++k)
@@ -68,62 +120,9 @@ class Block : public CarvedBody {
     return n.normalized();
   }
 
-  // Adds a rectangle of a face, given by two opposite corners.
-  void rectangle(RayScene::Triangles& t, int face, const Vec3f& a, const Vec3f& b) {
-    const int k = faces_[face].axis, i = (k + 1) % 3, j = (k + 2) % 3;
-    if (b[i] - a[i] <= 0 || b[j] - a[j] <= 0) return;
-    const std::uint32_t first = t.positions.size();
-    for (const auto& [u, v] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-      Vec3f p;
-      p[k] = faces_[face].at;
-      p[i] = u ? b[i] : a[i];
-      p[j] = v ? b[j] : a[j];
-      t.positions.push_back(p);
-    }
-    for (const std::uint32_t q : {0u, 1u, 2u, 0u, 2u, 3u}) t.indices.push_back(first + q);
-    owner_.insert(owner_.end(), 2, face);
-  }
-
-  RayScene::Triangles faces() {
-    RayScene::Triangles t;
-    for (int k = 0; k < 3; ++k) {
-      faces_.push_back({k, -1, 0});
-      faces_.push_back({k, 1, size_[k]});
-    }
-    const Vec3f zero = Vec3f::Zero();
-    for (int f = 0; f < 6; ++f) {
-      const int k = f / 2, i = (k + 1) % 3, j = (k + 2) % 3;
-      const bool opened = has_cut_ && (f == 1 || f == 2 || f == 5);  // +x, −y, +z
-      if (!opened) {
-        rectangle(t, f, zero, size_);
-        continue;
-      }
-      // The face without the rectangle removed by the cut.
-      Vec3f a = zero, b = size_;
-      const bool from_low_i = low_[i] == 0;
-      (from_low_i ? a : b)[i] = from_low_i ? high_[i] : low_[i];
-      rectangle(t, f, a, b);
-      Vec3f c = zero, d = size_;
-      c[i] = low_[i];
-      d[i] = high_[i];
-      const bool from_low_j = low_[j] == 0;
-      (from_low_j ? c : d)[j] = from_low_j ? high_[j] : low_[j];
-      rectangle(t, f, c, d);
-    }
-    if (has_cut_) {
-      faces_.push_back({0, 1, low_.x()}), faces_.push_back({1, -1, high_.y()}),
-          faces_.push_back({2, 1, low_.z()});
-      for (int f = 6; f < 9; ++f) rectangle(t, f, low_, high_);
-    }
-    return t;
-  }
-
   float bevel_;
   bool has_cut_;
   Vec3f size_, low_, high_;  // of the block; corners of the removed part
-  std::vector<Face> faces_;
-  std::vector<int> owner_;  // face of each triangle
-  std::unique_ptr<RayScene> scene_;
 };
 
 }  // namespace

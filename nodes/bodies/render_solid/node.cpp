@@ -31,13 +31,14 @@ RenderOptions coarse(RenderOptions settings) {
   return settings;
 }
 
-// Loose stones are shown as stones, whatever else is connected.
+// Particles of a photograph are shown as loose stones if it shows such, whatever else is connected, and else
+// in a block.
 carving::Mode mode_of(const Context& c) {
   const auto mode = c.choice<carving::Mode>("mode");
   const Profiles* photograph = c.optional<Profiles>("profiles");
-  const bool loose = photograph && shows_loose_stones(*photograph);
-  if (mode == carving::Mode::Auto && loose && c.has("particles")) return carving::Mode::Particles;
-  return resolved_mode(c, mode);
+  if (mode != carving::Mode::Auto || !photograph || !c.has("particles")) return resolved_mode(c, mode);
+  if (shows_loose_stones(*photograph)) return carving::Mode::Particles;
+  return c.has("object") ? carving::Mode::Object : carving::Mode::Block;
 }
 
 void compute(Context& c) {
@@ -92,7 +93,7 @@ namespace terrazzo {
 
 NodeType render_solid_node() {
   using namespace render_solid;
-  NodeType type("RenderSolid", 6);
+  NodeType type("RenderSolid", 7);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
           "out, a body carved from it, or its particles without binder")
@@ -107,17 +108,18 @@ NodeType render_solid_node() {
           Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
       .parameter(
           Parameter::integer("height", 720).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
-      .parameter(Parameter::integer("samples", 32)
-                     .range(1, 65536)
-                     .doc_("Light paths per pixel. Four times as many halve the noise; powers of two are "
-                           "distributed best."))
+      .parameter(
+          Parameter::integer("samples", 32)
+              .range(1, 65536)
+              .doc_("Light paths per pixel, two for each ray from the camera. Four times as many halve the "
+                    "noise; powers of two are distributed best."))
       .parameter(
           Parameter::choice("mode", "auto", kModes)
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "
                     "vase, knot: a body carved from the solid. particles: particles without binder. "
                     "fracture: one period broken across, along the particles' surfaces. auto: particles if "
-                    "the photograph shows loose stones, object if one is connected, else block, else "
-                    "particles."));
+                    "the photograph shows loose stones, object if one is connected, block if a volume or a "
+                    "photograph is, else particles."));
   declare_body(type);
   return type
       .parameter(Parameter::integer("frames", 1)

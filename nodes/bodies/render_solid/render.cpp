@@ -12,20 +12,31 @@ using carving::SurfacePoint;
 namespace {
 
 constexpr float kLift = 2e-4f;  // world units by which a ray starts above its surface
+constexpr std::uint64_t kPaths = 0x70617468;
 
 class Paths {
  public:
   Paths(const Solid& solid, const Studio& studio, const RenderOptions& settings)
       : solid_(solid), studio_(studio), settings_(settings), bounds_(solid.bounds()) {}
 
-  Vec3f from_camera(const Vec3f& origin, const Vec3f& direction, PixelSampler& random) const {
+  // Light paths `from` to `to` of the pixel start where the ray ends.
+  Vec3f from_camera(const Vec3f& origin, const Vec3f& direction, PixelSampler& random, int from,
+                    int to) const {
+    const auto mean = [&](const auto& light_of_path) {
+      Vec3f sum = Vec3f::Zero();
+      for (int path = from; path < to; ++path) {
+        random.start(path);
+        sum += light_of_path();
+      }
+      return Vec3f(sum / static_cast<float>(to - from));
+    };
     SurfacePoint s;
     if (may_meet_solid(origin, direction) && solid_.nearest(origin, direction, s, true))
-      return glossy(s, direction, random);
+      return glossy(s, direction, mean([&] { return light(s, random, 0); }));
     const float background = studio_.settings().background;
     Vec3f floor;
     if (!meets_floor(origin, direction, floor)) return Vec3f::Constant(background);
-    Vec3f light = background * floor_light(floor, random, 0);
+    Vec3f light = background * mean([&] { return floor_light(floor, random, 0); });
     if (settings_.gloss > 0) {
       // The floor reflects the solid a little; where it would reflect the dome it already is the background.
       const Vec3f up(direction.x(), direction.y(), -direction.z());
@@ -63,8 +74,8 @@ class Paths {
     return from <= to * 1.0001f + 1e-4f;
   }
 
-  Vec3f glossy(const SurfacePoint& s, const Vec3f& direction, PixelSampler& random) const {
-    const Vec3f diffuse = s.albedo.cwiseProduct(light(s, random, 0));
+  Vec3f glossy(const SurfacePoint& s, const Vec3f& direction, const Vec3f& light) const {
+    const Vec3f diffuse = s.albedo.cwiseProduct(light);
     if (settings_.gloss <= 0) return diffuse;
     const Vec3f mirror = direction - 2 * direction.dot(s.normal) * s.normal;
     const float f = settings_.gloss * fresnel(-direction.dot(s.normal));
@@ -137,43 +148,47 @@ float tent(float u) { return u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 -
 
 Image render(const Solid& solid, const Studio& studio, const Camera& camera, const RenderOptions& settings,
              const Work& work, const std::function<void(Image)>& refined) {
-  Image image(settings.width, settings.height, 1, 1);  // sums, until all samples are taken
+  Image image(settings.width, settings.height, 1, 1);  // sums, until all rays are followed
   const Paths paths(solid, studio, settings);
   constexpr int kTile = 16;
   const int across = (settings.width + kTile - 1) / kTile, down = (settings.height + kTile - 1) / kTile;
-  const auto divide = [](Image& sums, int samples) {
-    for (Vec3f& pixel : sums.pixels) pixel /= float(samples);
+  const auto divide = [](Image& sums, int count) {
+    for (Vec3f& pixel : sums.pixels) pixel /= float(count);
   };
-  for (int from = 0; from < settings.samples;) {
-    const int to = refined ? std::min(std::max(1, 2 * from), settings.samples) : settings.samples;
-    const Work part = work.part(double(from) / settings.samples, double(to) / settings.samples);
+  // Color varies less within a pixel than light does, so that rays from the camera share two paths each.
+  const int paths_per_ray = settings.samples % 2 == 0 ? 2 : 1, rays = settings.samples / paths_per_ray;
+  for (int from = 0; from < rays;) {
+    const int to = refined ? std::min(std::max(1, 2 * from), rays) : rays;
+    const Work part = work.part(double(from) / rays, double(to) / rays);
     part.parallel(static_cast<std::size_t>(across) * down, 1, [&](std::size_t begin, std::size_t) {
       const int x0 = static_cast<int>(begin) % across * kTile, y0 = static_cast<int>(begin) / across * kTile;
       for (int y = y0; y < std::min(y0 + kTile, settings.height); ++y)
         for (int x = x0; x < std::min(x0 + kTile, settings.width); ++x) {
           work.check();
-          PixelSampler random(settings.seed, image.index(x, y), static_cast<std::uint32_t>(settings.samples));
+          const std::size_t pixel = image.index(x, y);
+          PixelSampler lens(settings.seed, pixel, static_cast<std::uint32_t>(rays));
+          PixelSampler random(settings.seed ^ kPaths, pixel, static_cast<std::uint32_t>(settings.samples));
           Vec3f sum = image.at(x, y);
           for (int i = from; i < to; ++i) {
-            random.start(i);
+            lens.start(i);
             float u, v;
-            random.next(u, v);
+            lens.next(u, v);
             const Vec3f d =
                 camera.direction(float(x) + 0.5f + 0.75f * tent(u), float(y) + 0.5f + 0.75f * tent(v),
                                  settings.width, settings.height);
-            sum += paths.from_camera(camera.position, d, random);
+            sum += paths.from_camera(camera.position, d, random, paths_per_ray * i, paths_per_ray * (i + 1));
           }
           image.at(x, y) = sum;
         }
     });
     from = to;
-    if (refined && from < settings.samples) {
+    if (refined && from < rays) {
       Image shown = image;
       divide(shown, from);
       refined(std::move(shown));
     }
   }
-  divide(image, settings.samples);
+  divide(image, rays);
   return image;
 }
 

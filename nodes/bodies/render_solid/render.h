@@ -16,7 +16,7 @@ using carving::Solid;
 
 struct RenderOptions {
   int width = 720, height = 720;  // pixels
-  int samples = 32;               // paths per pixel
+  int samples = 32;               // light paths per pixel; two for each ray from the camera
   int bounces = 2;                // diffuse reflections between surfaces
   float gloss = 0.35f;            // fraction of a polished surface's mirror reflection, 0…1
   std::uint64_t seed = 1;
@@ -26,7 +26,7 @@ struct RenderOptions {
 // surface facing up. The result does not depend on the number of threads. The light on an unoccluded surface
 // is computed in closed form, and the changes made by occluders are sampled and added (a control variate).
 // Surfaces that see the whole Studio are therefore free of noise, and the estimate stays unbiased. `refined`
-// receives the picture after 1, 2, 4, … paths per pixel; the result is the same to the bit.
+// receives the picture after 1, 2, 4, … rays per pixel; the result is the same to the bit.
 Image render(const Solid&, const Studio&, const Camera&, const RenderOptions&, const Work& = {},
              const std::function<void(Image)>& refined = {});
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "nodes/bodies/carving/body.h"
 #include "nodes/bodies/carving/color_field.h"
 #include "nodes/bodies/carving/forms.h"
 #include "nodes/bodies/carving/paint.h"
@@ -47,6 +48,48 @@ TEST(Carving, CoordinatesThatCannotBeSquaredAreRefused) {
     Particles p = scattered(1, 3);
     shapes.shapes[0].mesh.vertices[2].y() = far;
     EXPECT_EQ(test::code_of([&] { ParticleIndex(p, shapes); }), "bad-number") << far;
+  }
+}
+
+// Rays start outside the block, in its cut, or inside. Some are parallel to faces.
+TEST(Carving, RaysMeetABlockWhereTheyEnterOrLeaveIt) {
+  const Vec3f size(1, 0.7f, 0.9f);
+  for (const float cut : {0.0f, 0.4f}) {
+    const auto block = block_body(size, cut, 0.01);
+    const auto inside = [&](const Vec3f& p) {
+      const bool in_box = p.minCoeff() > 0 && (size - p).minCoeff() > 0;
+      return in_box &&
+             !(p.x() > size.x() * (1 - cut) && p.y() < size.y() * cut && p.z() > size.z() * (1 - cut));
+    };
+    int hits = 0, misses = 0;
+    for (std::uint64_t k = 0; k < 4000; ++k) {
+      Random r(7, 1, k);
+      Vec3f origin, direction;
+      for (int a = 0; a < 3; ++a) {
+        origin[a] = static_cast<float>(r.uniform(-0.5, 1.5));
+        direction[a] = r.below(8) == 0 ? 0.0f : static_cast<float>(r.normal());
+      }
+      if (direction.norm() == 0) continue;
+      direction.normalize();
+      SurfacePoint s;
+      float at = 4;
+      const bool met = block->meet(origin, direction, s, at);
+      EXPECT_EQ(block->any(origin, direction), met);
+      ++(met ? hits : misses);
+      for (int i = 1; i < 100; ++i) {
+        const Vec3f p = origin + (0.01f * float(i) * at) * direction;
+        ASSERT_EQ(inside(p), inside(origin)) << "ray " << k << ", step " << i;
+      }
+      if (!met) continue;
+      ASSERT_LT((s.position - (origin + at * direction)).norm(), 1e-5f);
+      EXPECT_EQ(s.face.dot(direction) > 0, inside(origin)) << k;
+      EXPECT_EQ(s.face.norm(), 1);
+      EXPECT_GT(s.normal.dot(s.face), 0.4f);
+      const Vec3f beyond = s.position + 1e-5f * direction / std::abs(direction.dot(s.face));
+      EXPECT_NE(inside(beyond), inside(origin)) << k;
+    }
+    EXPECT_GT(hits, 500);
+    EXPECT_GT(misses, 1000);
   }
 }
 
