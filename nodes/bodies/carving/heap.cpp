@@ -11,8 +11,9 @@ namespace {
 
 class Heap : public Solid {
  public:
-  Heap(const Particles& particles, const Shapes& shapes, const residual::ResidualField* residual)
-      : colors_(particles, residual), longest_(static_cast<float>(particles.box.maxCoeff())) {
+  Heap(const Particles& particles, const Shapes& shapes, const residual::ResidualField* residual,
+       const residual::Skins* skins)
+      : colors_(particles, residual, skins), longest_(static_cast<float>(particles.box.maxCoeff())) {
     const double longest = particles.box.maxCoeff();
     std::vector<RayScene::Triangles> meshes;
     for (const Shape& s : shapes.shapes) {
@@ -69,12 +70,12 @@ class Heap : public Solid {
 }  // namespace
 
 std::unique_ptr<Solid> particle_solid(const Particles& particles, const Shapes& shapes,
-                                      const residual::ResidualField* residual) {
+                                      const residual::ResidualField* residual, const residual::Skins* skins) {
   check_shown(particles, shapes);
   if (particles.void_count() == particles.count())
     throw Error("no-particles", "all particles are voids, so nothing is left without the binder",
                 "use another mode, such as block or object");
-  return std::make_unique<Heap>(particles, shapes, residual);
+  return std::make_unique<Heap>(particles, shapes, residual, skins);
 }
 
 }  // namespace terrazzo::carving

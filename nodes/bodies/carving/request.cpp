@@ -41,12 +41,19 @@ Placement placement_of(const NodeParameters& c) {
   return Placement::of(three("turn"), three("shift"));
 }
 
-// Loads the fine detail of particles and binder, if connected.
-void take_residual(Context& c, Body& body) {
+// Loads the fine detail of particles and binder, if connected, or only what stones from outside show.
+void take_residual(Context& c, Body& body, bool outside = false) {
   const auto& particles = c.input<Particles>("particles");
-  if (const auto* detail = c.optional<Detail>("detail"))
-    body.residual = std::make_unique<residual::ResidualField>(*detail, particles, 0, residual::Keep::Values,
-                                                              c.work().part(0, 0.05));
+  if (const auto* detail = c.optional<Detail>("detail")) {
+    const auto use = [&](const Detail& shown) {
+      body.residual = std::make_unique<residual::ResidualField>(shown, particles, 0, residual::Keep::Values,
+                                                                c.work().part(0, 0.05));
+    };
+    if (!outside || detail->skins.empty()) return use(*detail);
+    body.skins =
+        std::make_unique<residual::Skins>(*detail, particles, c.input<Shapes>("shapes"), 0, c.work().quiet());
+    return use(residual::without_light(*detail));
+  }
   const auto* volume = c.optional<Volume>("detail");
   if (!volume) return;
   body.residual = std::make_unique<residual::ResidualField>(*volume, particles.box, c.work().part(0, 0.05));
@@ -123,9 +130,9 @@ void take_solid(Context& c, Mode mode, Body& body, std::uint64_t seed) {
     return;
   }
   check_shown(particles, shapes);
-  take_residual(c, body);
+  take_residual(c, body, true);
   body.mm = particles.box.maxCoeff();
-  body.solid = particle_solid(particles, shapes, body.residual.get());
+  body.solid = particle_solid(particles, shapes, body.residual.get(), body.skins.get());
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ void check_body(const NodeParameters&);
 // The body that a node's inputs and parameters describe, with what its colors come from.
 struct Body {
   std::unique_ptr<residual::ResidualField> residual;
+  std::unique_ptr<residual::Skins> skins;  // for Particles, of a photograph of a surface
   std::unique_ptr<ColorField> field;
   std::unique_ptr<Paint> paint;  // null for Particles
   std::unique_ptr<Solid> solid;

@@ -10,6 +10,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/detail/residual/residual_field.h"
+#include "nodes/detail/residual/skins.h"
 
 namespace terrazzo::carving {
 
@@ -54,10 +55,12 @@ std::unique_ptr<Solid> block_solid(const Paint&, double cut = 0.5, double bevel 
 // those of Hollows.
 std::unique_ptr<Solid> object_solid(const Paint&, const Shape& object, const Voids& voids = {});
 
-// Particles in their own colors, without voids, with the fine detail of `residual` if it is not null; the
-// residual must outlive the solid. Throws Error "no-particles", "no-such-shape", "bad-number", "bad-box".
+// Particles in their own colors, without voids, in the skins and with the fine detail of `residual` if these
+// are not null; both must outlive the solid. Throws Error "no-particles", "no-such-shape", "bad-number",
+// "bad-box".
 std::unique_ptr<Solid> particle_solid(const Particles&, const Shapes&,
-                                      const residual::ResidualField* residual = nullptr);
+                                      const residual::ResidualField* residual = nullptr,
+                                      const residual::Skins* skins = nullptr);
 
 // A block broken across by a rough face at `level` (fraction of the height, with an amplitude of
 // `roughness`). Particles whose center is below the face stay whole and stick out; the others are removed and

@@ -125,18 +125,6 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   output_result(c, std::move(result));
 }
 
-// A photograph of stones from outside shows their form and their shadows as broad light and shade, which this
-// view makes itself. Only their hue is their own.
-Detail without_light(Detail detail) {
-  detail.skins.clear();
-  detail.ground = {};
-  for (Detail::Phase& phase : detail.phases) {
-    phase.slope = 0;
-    for (Vec3f& offset : phase.broad) offset -= Vec3f::Constant(offset.mean());
-  }
-  return detail;
-}
-
 void compute(Context& c) {
   const auto& particles = c.input<Particles>("particles");
   section::check_particles(particles, c.input<Shapes>("shapes"));
@@ -152,7 +140,7 @@ void compute(Context& c) {
       field.emplace(shown, particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
     };
     if (view == View::Surface)
-      use(without_light(*detail));
+      use(residual::without_light(*detail));
     else
       use(*detail);
   }

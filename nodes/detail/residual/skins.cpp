@@ -207,4 +207,14 @@ Vec3f Skins::ground(const Vec3f& mm, const Vec3f& color) const {
   return Detail::with_shade(color, sample(ground_.shade, at.x(), -at.y(), index));
 }
 
+Detail without_light(Detail detail) {
+  detail.skins.clear();
+  detail.ground = {};
+  for (Detail::Phase& phase : detail.phases) {
+    phase.slope = 0;
+    for (Vec3f& offset : phase.broad) offset -= Vec3f::Constant(offset.mean());
+  }
+  return detail;
+}
+
 }  // namespace terrazzo::residual

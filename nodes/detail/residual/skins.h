@@ -60,4 +60,8 @@ class Skins {
   std::vector<Worn> worn_;                  // by each particle
 };
 
+// The fine detail of stones from outside, without skins and soil. Their form and their shadows, which the
+// photograph shows as broad light and shade, are left out; only their hue is their own.
+Detail without_light(Detail);
+
 }  // namespace terrazzo::residual

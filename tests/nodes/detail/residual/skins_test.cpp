@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "nodes/bodies/carving/solid.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "runtime/random.h"
 #include "tests/nodes/volumes/voxelize/bodies.h"
@@ -168,6 +169,28 @@ TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {
   EXPECT_NEAR(at(0.55F + 2, -0.35F + 3), detail.ground.shade[3 * 20 + 5].x(), 2e-3);
   EXPECT_FALSE(
       Skins(Detail(), one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1).has_ground());
+}
+
+TEST(SkinsOfParticles, AHeapOfStonesWearsThem) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  const Shapes shapes = ball_of_3mm();
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  p.color[0] = Vec3f(0.4F, 0.3F, 0.2F);
+  const Skins skins(detail, p, shapes, 0);
+  ASSERT_FALSE(skins.bare(0));
+  const auto heap = carving::particle_solid(p, shapes, nullptr, &skins);
+  for (std::uint64_t k = 0; k < 50; ++k) {
+    Random r(5, 5, k);
+    const Vec3f from(static_cast<float>(r.uniform(0.485, 0.515)), static_cast<float>(r.uniform(0.485, 0.515)),
+                     1);
+    carving::SurfacePoint s;
+    ASSERT_TRUE(heap->nearest(from, Vec3f(0, 0, -1), s, true));
+    const Vec3f mm = 100 * s.position + Vec3f(0, 0, 47);  // the lowest point lies on the floor
+    EXPECT_LT((s.albedo - skins.at(mm, 0, p.color[0])).norm(), 2e-3F);
+    EXPECT_GT((s.albedo - p.color[0]).norm(), 1e-3F);
+  }
 }
 
 }  // namespace
