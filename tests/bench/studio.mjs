@@ -24,8 +24,7 @@ const cases = {
   'materials/terrazzo.yaml': [
     ['block', 'block', 'azimuth', [-30, -20, -10, -50, -60], ['block']],
     ['block', 'block', 'gloss', [0.1, 0.2, 0.5, 0.6, 0.7], ['block']],
-    ['block', 'voxels', 'resolution', [120, 124, 112, 116, 128], ['voxels', 'block']],
-    ['block', 'colorize', 'seed', [2, 3, 4, 5, 6], ['colorize', 'voxels', 'block']],
+    ['block', 'colorize', 'seed', [2, 3, 4, 5, 6], ['colorize', 'block']],
     ['section', 'colorize', 'seed', [7, 8, 9, 10, 11], ['colorize', 'section']],
     ['section', 'section', 'seed', [2, 3, 4, 5, 6], ['section']],
     ['section', 'detail', 'seed', [2, 3], ['detail', 'section']],
@@ -77,9 +76,7 @@ async function measure(graph, list) {
       await page.waitForFunction(() => !document.querySelector('.tabs .old'));
       await page.waitForTimeout(200);
       finals.push(await page.evaluate(() => window.drawn.at(-1) - window.started));
-      // Voxelize's geometry is new only if something else than a color changes.
-      if (runs.includes('voxels') && node === 'voxels') measure.voxels = now.nodes.voxels.seconds;
-      baselines.push(runs.reduce((s, n) => s + (n === 'voxels' ? measure.voxels ?? now.nodes[n].seconds : now.nodes[n].seconds), 0) * 1000);
+      baselines.push(runs.reduce((s, n) => s + now.nodes[n].seconds, 0) * 1000);
     }
     const [a, b, c] = [firsts, finals, baselines].map(median);
     console.log(`${`${node}.${name}, ${shown} is shown`.padEnd(38)} ${ms(a)} ${ms(b)} ${ms(c)}   ${(a / c).toFixed(2).padStart(10)}`);

@@ -51,7 +51,7 @@ class Block : public CarvedBody {
   static void keep(Part& part, const Vec3f& origin, const Vec3f& direction, const Face& face) {
     const float d = face.sign * direction[face.axis], beyond = face.sign * (origin[face.axis] - face.at);
     if (d == 0) {
-      if (beyond > 0) part.to = -kFar;
+      if (beyond > 0 || (face.inner && beyond == 0)) part.to = -kFar;  // the cut is open
       return;
     }
     const float at = -beyond / d;
@@ -71,7 +71,7 @@ class Block : public CarvedBody {
       keep(box, origin, direction, {k, -1, 0});
       keep(box, origin, direction, {k, 1, size_[k]});
     }
-    if (box.from >= box.to || box.to <= 0) return false;
+    if (!(box.from < box.to && box.to > 0 && box.to < kFar)) return false;
     const auto hit = [&](float distance, const Face& where) {
       if (distance <= 0) return false;
       at = distance;

@@ -49,7 +49,8 @@ class Heap : public Solid {
     bodies_[mesh_of_[hit.instance]].normals_at(hit, s.face, s.normal);
     s.face = rotations_[hit.instance] * s.face;
     s.normal = rotations_[hit.instance] * s.normal;
-    s.albedo = colors_.at((s.position + Vec3f(0, 0, lowest_)) * longest_, particle_[hit.instance], sharp);
+    s.albedo = colors_.at((s.position + Vec3f(0, 0, lowest_)) * longest_, particle_[hit.instance], sharp)
+                   .cwiseMin(1.0f);
     return true;
   }
   bool any(const Vec3f& origin, const Vec3f& direction) const override {

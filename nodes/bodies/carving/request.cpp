@@ -8,6 +8,7 @@
 #include "nodes/bodies/carving/particle_index.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/opaque_volume.h"
+#include "nodes/data/profiles.h"
 #include "nodes/detail/residual/residual_field.h"
 
 namespace terrazzo::carving {
@@ -41,15 +42,18 @@ Placement placement_of(const NodeParameters& c) {
   return Placement::of(three("turn"), three("shift"));
 }
 
-// Loads the fine detail of particles and binder, if connected, or only what stones from outside show.
-void take_residual(Context& c, Body& body, bool outside = false) {
+enum class Shown { Inside, Outside };
+
+// Loads the fine detail of particles and binder, if connected: what a cut shows, or what the outside of
+// photographed stones shows.
+void take_residual(Context& c, Body& body, Shown shown) {
   const auto& particles = c.input<Particles>("particles");
   if (const auto* detail = c.optional<Detail>("detail")) {
-    const auto use = [&](const Detail& shown) {
-      body.residual = std::make_unique<residual::ResidualField>(shown, particles, 0, residual::Keep::Values,
+    const auto use = [&](const Detail& fine) {
+      body.residual = std::make_unique<residual::ResidualField>(fine, particles, 0, residual::Keep::Values,
                                                                 c.work().part(0, 0.05));
     };
-    if (!outside || detail->skins.empty()) return use(*detail);
+    if (shown == Shown::Inside || detail->tones.empty()) return use(*detail);
     body.skins =
         std::make_unique<residual::Skins>(*detail, particles, c.input<Shapes>("shapes"), 0, c.work().quiet());
     return use(residual::without_light(*detail));
@@ -79,7 +83,7 @@ void take_paint(Context& c, Mode mode, Body& body) {
     need(c, "color from particles", "shapes");
     const auto& particles = c.input<Particles>("particles");
     check_shown(particles, c.input<Shapes>("shapes"));
-    take_residual(c, body);
+    take_residual(c, body, Shown::Inside);
     body.mm = particles.box.maxCoeff() * repeat;
     body.paint = particle_paint(particles, c.input<Shapes>("shapes"), repeat,
                                 mode == Mode::Fracture ? Placement{} : placement_of(c), body.residual.get());
@@ -130,7 +134,7 @@ void take_solid(Context& c, Mode mode, Body& body, std::uint64_t seed) {
     return;
   }
   check_shown(particles, shapes);
-  take_residual(c, body, true);
+  take_residual(c, body, Shown::Outside);
   body.mm = particles.box.maxCoeff();
   body.solid = particle_solid(particles, shapes, body.residual.get(), body.skins.get());
 }
@@ -141,10 +145,12 @@ Body::Body() = default;
 Body::~Body() = default;
 Body::Body(Body&&) noexcept = default;
 
-Mode resolved_mode(const Context& c, Mode mode) {
+Mode resolved_mode(const Context& c, const Profiles* photograph) {
+  const auto mode = c.choice<Mode>("mode");
   if (mode != Mode::Auto) return mode;
+  if (photograph && c.has("particles") && shows_loose_stones(*photograph)) return Mode::Particles;
   if (c.has("object")) return Mode::Object;
-  return c.has("volume") || !c.has("particles") ? Mode::Block : Mode::Particles;
+  return c.has("volume") || photograph || !c.has("particles") ? Mode::Block : Mode::Particles;
 }
 
 void check_body(const NodeParameters& p) { placement_of(p); }

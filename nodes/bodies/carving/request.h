@@ -10,6 +10,10 @@
 #include "nodes/bodies/carving/solid.h"
 #include "runtime/context.h"
 
+namespace terrazzo {
+struct Profiles;
+}
+
 namespace terrazzo::carving {
 
 class ColorField;
@@ -17,8 +21,9 @@ class ColorField;
 enum class Mode { Auto, Block, Cube, Object, Vase, Knot, Fracture, Particles };
 // The words of `mode`, in the order of Mode. Carve leaves out the last.
 extern const std::vector<std::string> kModes;
-// Auto: object if one is connected, else block, else particles.
-Mode resolved_mode(const Context&, Mode);
+// The parameter `mode`. Auto: particles if the photograph shows loose stones, else object if one is
+// connected, else block if there is a volume or a photograph, else particles.
+Mode resolved_mode(const Context&, const Profiles* photograph = nullptr);
 
 // Declares the inputs volume, particles, shapes, object and detail, the last one last.
 void declare_solid(NodeType&);

@@ -31,18 +31,8 @@ RenderOptions coarse(RenderOptions settings) {
   return settings;
 }
 
-// Particles of a photograph are shown as loose stones if it shows such, whatever else is connected, and else
-// in a block.
-carving::Mode mode_of(const Context& c) {
-  const auto mode = c.choice<carving::Mode>("mode");
-  const Profiles* photograph = c.optional<Profiles>("profiles");
-  if (mode != carving::Mode::Auto || !photograph || !c.has("particles")) return resolved_mode(c, mode);
-  if (shows_loose_stones(*photograph)) return carving::Mode::Particles;
-  return c.has("object") ? carving::Mode::Object : carving::Mode::Block;
-}
-
 void compute(Context& c) {
-  const auto mode = mode_of(c);
+  const carving::Mode mode = resolved_mode(c, c.optional<Profiles>("profiles"));
   const auto tone_kind = c.choice<ToneKind>("tone");
   if (tone_kind == ToneKind::View && c.text("color_config") != color_config_id())
     throw Error(
@@ -100,8 +90,10 @@ NodeType render_solid_node() {
       .source_("Path tracing with a control variate: light on unoccluded surfaces is added in closed form");
   declare_solid(type);
   type.input_was("residual");
-  type.optional_input("profiles", {"Profiles"},
-                      "Profiles of the photograph, for mode auto: loose stones are shown without binder");
+  type.optional_input(
+      "profiles", {"Profiles"},
+      "Profiles of the photograph, for mode auto: loose stones are shown without binder, others "
+      "as a block");
   type.output("image", "Image",
               "Picture with one section per frame, in linear values ready for display: 1 is white")
       .parameter(
@@ -118,8 +110,8 @@ NodeType render_solid_node() {
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "
                     "vase, knot: a body carved from the solid. particles: particles without binder. "
                     "fracture: one period broken across, along the particles' surfaces. auto: particles if "
-                    "the photograph shows loose stones, object if one is connected, block if a volume or a "
-                    "photograph is, else particles."));
+                    "the photograph shows loose stones, object if one is connected, block if `volume` or "
+                    "`profiles` is, else particles."));
   declare_body(type);
   return type
       .parameter(Parameter::integer("frames", 1)

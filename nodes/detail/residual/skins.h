@@ -60,8 +60,8 @@ class Skins {
   std::vector<Worn> worn_;                  // by each particle
 };
 
-// The fine detail of stones from outside, without skins and soil. Their form and their shadows, which the
-// photograph shows as broad light and shade, are left out; only their hue is their own.
+// Leaves out skins, soil, and the broad light and shade by which a photograph shows the form and the shadows
+// of stones. The hue stays.
 Detail without_light(Detail);
 
 }  // namespace terrazzo::residual

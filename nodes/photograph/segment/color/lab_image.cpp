@@ -94,22 +94,22 @@ LabImage median3(const LabImage& image, const Work& work) {
   return out;
 }
 
-LabImage blur(const LabImage& image, float sigma, const Work& work) {
-  if (sigma <= 0) return image;
+void blur_in_place(const cv::Mat& image, float sigma, const Work& work) {
+  if (sigma <= 0) return;
   const int size = 2 * round_up(3 * sigma) + 1;
   const cv::Mat kernel = cv::getGaussianKernel(size, sigma, CV_32F);
-  LabImage out = image;
-  const auto matrix = [](const LabImage& of) {
-    return cv::Mat(of.height, of.width, CV_32FC3, const_cast<Vec3f*>(of.pixels.data()));
-  };
-  const cv::Mat from = matrix(image);
-  const cv::Mat to = matrix(out);
-  work.parallel(image.height, kRows, [&](std::size_t b, std::size_t e) {
+  const cv::Mat from = image.clone();
+  // Each strip also filters the rows around it, so strips should be tall.
+  work.parallel(image.rows, std::max<std::size_t>(kRows, 4 * size), [&](std::size_t b, std::size_t e) {
     const cv::Range part(static_cast<int>(b), static_cast<int>(e));
-    cv::Mat strip = to.rowRange(part);  // the filter sees the rows around the strip too
+    cv::Mat strip = image.rowRange(part);
     cv::sepFilter2D(from.rowRange(part), strip, CV_32F, kernel, kernel, {-1, -1}, 0, cv::BORDER_REFLECT);
   });
-  return out;
+}
+
+LabImage blur(LabImage image, float sigma, const Work& work) {
+  blur_in_place(cv::Mat(image.height, image.width, CV_32FC3, image.pixels.data()), sigma, work);
+  return image;
 }
 
 }  // namespace terrazzo::segment

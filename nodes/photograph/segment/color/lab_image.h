@@ -1,6 +1,7 @@
 // One section in Oklab, and its noise.
 #pragma once
 
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "nodes/data/image.h"
@@ -29,6 +30,7 @@ LabImage diffuse(LabImage, float contrast, int rounds, const Work&);
 LabImage median3(const LabImage&, const Work&);
 
 // Gaussian blur with standard deviation `sigma` in pixels, mirrored at the border.
-LabImage blur(const LabImage&, float sigma, const Work&);
+LabImage blur(LabImage, float sigma, const Work&);
+void blur_in_place(const cv::Mat& floats, float sigma, const Work&);
 
 }  // namespace terrazzo::segment

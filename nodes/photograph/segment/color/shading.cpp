@@ -22,7 +22,7 @@ LabImage shading_of(const Mosaic& m, const Clusters& clusters, const Work& work)
       count[g] += 1;
     }
   for (std::size_t g = 0; g < count.size(); ++g) grid.pixels[g] /= count[g];
-  grid = blur(grid, 8, work);
+  grid = blur(std::move(grid), 8, work);
   LabImage out{m.width, m.height, {}};
   out.pixels.resize(m.patches.size());
   for (int y = 0; y < m.height; ++y)

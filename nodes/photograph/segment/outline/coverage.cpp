@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
 #include "nodes/common/texture/color.h"
 #include "nodes/data/indices.h"
@@ -29,22 +30,34 @@ std::vector<std::uint8_t> band(const std::vector<std::uint8_t>& mask, int width,
   return out;
 }
 
-// Local mean color of the pixels on one side.
+// Local mean color of the pixels on one side: sums with a Gaussian's weights of the colors (first three) and
+// of the pixels' own weights.
 struct SideMean {
-  LabImage color, weight;
-  Vec3f at(std::size_t i) const { return color.pixels[i] / weight.pixels[i][0]; }
-  bool known(std::size_t i) const { return weight.pixels[i][0] > 1e-6f; }
+  std::vector<Eigen::Vector4f> sums;
+  Vec3f at(std::size_t i) const { return sums[i].head<3>() / sums[i][3]; }
+  bool known(std::size_t i) const { return sums[i][3] > 1e-6f; }
 };
 
 SideMean weighted_mean(const LabImage& image, const std::vector<float>& weights, float sigma,
                        const Work& work) {
-  SideMean m{image, image};
+  SideMean m;
+  m.sums.resize(weights.size());
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    m.color.pixels[i] = weights[i] * image.pixels[i];
-    m.weight.pixels[i] = Vec3f::Constant(weights[i]);
+    m.sums[i].head<3>() = weights[i] * image.pixels[i];
+    m.sums[i][3] = weights[i];
   }
-  m.color = blur(m.color, sigma, work);
-  m.weight = blur(m.weight, sigma, work);
+  const cv::Mat sums(image.height, image.width, CV_32FC4, m.sums.data());
+  // A wide Gaussian leaves no detail that a reduced picture would lose.
+  const int reduced = std::max(1, std::min({static_cast<int>(sigma / 2), image.width, image.height}));
+  if (reduced == 1) {
+    blur_in_place(sums, sigma, work);
+    return m;
+  }
+  cv::Mat small;
+  const cv::Size size(round_up(image.width / float(reduced)), round_up(image.height / float(reduced)));
+  cv::resize(sums, small, size, 0, 0, cv::INTER_AREA);
+  blur_in_place(small, sigma / static_cast<float>(reduced), work);
+  cv::resize(small, sums, sums.size(), 0, 0, cv::INTER_LINEAR);
   return m;
 }
 
@@ -65,9 +78,8 @@ SideMean binder_mean(const LabImage& image, const std::vector<float>& pure, cons
   for (const float sigma : {8.0f, 24.0f}) {
     const SideMean wide = weighted_mean(image, pure, sigma, work);
     for (std::size_t i = 0; i < pure.size(); ++i) {
-      const float known = m.weight.pixels[i][0], share = std::max(0.0f, 0.1f - known);
-      m.color.pixels[i] += share * wide.color.pixels[i];
-      m.weight.pixels[i] += share * wide.weight.pixels[i];
+      const float share = std::max(0.0f, 0.1f - m.sums[i][3]);
+      m.sums[i] += share * wide.sums[i];
     }
   }
   return m;
@@ -83,7 +95,7 @@ std::vector<float> smooth_coverage(const std::vector<std::int32_t>& labels, int 
                                    const Work& work) {
   LabImage mask{width, height, {}};
   for (const auto l : labels) mask.pixels.push_back(Vec3f::Constant(l != 0 ? 1.0f : 0.0f));
-  const LabImage soft = blur(mask, 0.7f, work);
+  const LabImage soft = blur(std::move(mask), 0.7f, work);
   std::vector<float> share(labels.size());
   for (std::size_t i = 0; i < share.size(); ++i) share[i] = sided(soft.pixels[i][0], labels[i] != 0);
   return share;
@@ -104,7 +116,7 @@ std::vector<float> refine_outline(const Mosaic& m, std::vector<std::uint8_t>& pa
   const float blurring = m.spread > 0 ? std::min(1.4f * m.noise / m.spread, 1.5f) : 0.0f;
   float noise_left = m.noise;
   if (blurring > 0.3f) {
-    light = blur(light, blurring, work);
+    light = blur(std::move(light), blurring, work);
     noise_left /= std::max(1.0f, 2 * std::sqrt(std::numbers::pi_v<float>) * blurring);
   }
   std::vector<std::int32_t> sides(particles.size());

@@ -61,7 +61,7 @@ TEST(Carving, RaysMeetABlockWhereTheyEnterOrLeaveIt) {
       return in_box &&
              !(p.x() > size.x() * (1 - cut) && p.y() < size.y() * cut && p.z() > size.z() * (1 - cut));
     };
-    int hits = 0, misses = 0;
+    int hits = 0, misses = 0, inner = 0;
     for (std::uint64_t k = 0; k < 4000; ++k) {
       Random r(7, 1, k);
       Vec3f origin, direction;
@@ -84,12 +84,16 @@ TEST(Carving, RaysMeetABlockWhereTheyEnterOrLeaveIt) {
       ASSERT_LT((s.position - (origin + at * direction)).norm(), 1e-5f);
       EXPECT_EQ(s.face.dot(direction) > 0, inside(origin)) << k;
       EXPECT_EQ(s.face.norm(), 1);
+      const bool outer = (s.position.array() == 0).any() || (s.position.array() == size.array()).any();
+      EXPECT_EQ(s.open, outer) << k;
+      inner += !outer;
       EXPECT_GT(s.normal.dot(s.face), 0.4f);
       const Vec3f beyond = s.position + 1e-5f * direction / std::abs(direction.dot(s.face));
       EXPECT_NE(inside(beyond), inside(origin)) << k;
     }
     EXPECT_GT(hits, 500);
     EXPECT_GT(misses, 1000);
+    EXPECT_EQ(inner > 20, cut > 0);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "nodes/bodies/render_solid/render.h"
 #include "nodes/bodies/render_solid/sampler.h"
 #include "nodes/bodies/render_solid/tone.h"
+#include "nodes/data/profiles.h"
 #include "nodes/data/volume.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -345,6 +346,37 @@ TEST(RenderSolid, EveryModeShowsItsSolid) {
   for (std::size_t i = 0; i < images[2].pixels.size(); ++i)
     difference = std::max<double>(difference, (images[2].pixels[i] - images[3].pixels[i]).norm());
   EXPECT_LT(difference, 0.02);
+}
+
+TEST(RenderSolid, AutoShowsWhatThePhotographShows) {
+  Shapes ball;
+  ball.shapes = {sphere(8)};
+  Particles one;
+  one.box = Vec3(2, 2, 2);
+  one.resize(1);
+  one.position[0] = Vec3(1, 1, 1);
+  const auto picture = [&](const std::string& mode, const Profiles* photograph, bool object) {
+    std::multimap<std::string, Value> inputs = {{"particles", Value::of(one)}, {"shapes", Value::of(ball)}};
+    if (photograph) inputs.emplace("profiles", Value::of(*photograph));
+    if (object) inputs.emplace("object", Value::of(ball));
+    const auto run = run_node("RenderSolid", inputs,
+                              {{"mode", mode}, {"width", "24"}, {"height", "16"}, {"samples", "2"}});
+    return run.output<Image>("image").pixels;
+  };
+  Profiles cut, loose;
+  cut.area_fraction = loose.area_fraction = 0.9;
+  cut.profiles.resize(1);
+  loose.profiles.resize(1);
+  cut.view = View::Section;
+  loose.view = View::Surface;
+  ASSERT_TRUE(shows_loose_stones(loose));
+  const auto block = picture("block", nullptr, false), stones = picture("particles", nullptr, false);
+  ASSERT_NE(block, stones);
+  EXPECT_EQ(picture("auto", nullptr, false), stones);
+  EXPECT_EQ(picture("auto", &cut, false), block);
+  EXPECT_EQ(picture("auto", &loose, false), stones);
+  EXPECT_EQ(picture("auto", &cut, true), picture("object", nullptr, true));
+  EXPECT_EQ(picture("auto", &loose, true), stones);
 }
 
 TEST(RenderSolid, BadInput) {

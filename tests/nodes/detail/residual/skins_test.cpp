@@ -175,8 +175,9 @@ TEST(SkinsOfParticles, AHeapOfStonesWearsThem) {
   Detail detail;
   detail.pixel_size = 0.1;
   detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
-  const Shapes shapes = ball_of_3mm();
-  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  Shapes shapes = ball_of_3mm();
+  shapes.shapes[0].traced = {4, Vec2(10 + 4, 20 - 5), 0};
+  Particles p = one_particle(Vec3(50, 50, 2), Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX())), 1);
   p.color[0] = Vec3f(0.4F, 0.3F, 0.2F);
   const Skins skins(detail, p, shapes, 0);
   ASSERT_FALSE(skins.bare(0));
@@ -187,10 +188,25 @@ TEST(SkinsOfParticles, AHeapOfStonesWearsThem) {
                      1);
     carving::SurfacePoint s;
     ASSERT_TRUE(heap->nearest(from, Vec3f(0, 0, -1), s, true));
-    const Vec3f mm = 100 * s.position + Vec3f(0, 0, 47);  // the lowest point lies on the floor
+    const Vec3f mm = 100 * s.position - Vec3f(0, 0, 1);  // the lowest point lies on the floor
     EXPECT_LT((s.albedo - skins.at(mm, 0, p.color[0])).norm(), 2e-3F);
     EXPECT_GT((s.albedo - p.color[0]).norm(), 1e-3F);
   }
+}
+
+TEST(SkinsOfParticles, WithoutLightOnlyTheHueOfBroadDetailStays) {
+  Detail detail;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  detail.phases.resize(2);
+  detail.phases[1].slope = 0.2F;
+  detail.phases[1].tile = {Vec3f(0.1F, 0.2F, 0.3F)};
+  detail.phases[1].broad = {Vec3f(0.1F, 0.2F, 0.6F), Vec3f(-0.3F, 0, 0)};
+  const Detail left = residual::without_light(detail);
+  EXPECT_TRUE(left.skins.empty());
+  EXPECT_EQ(left.phases[1].slope, 0);
+  EXPECT_EQ(left.phases[1].tile, detail.phases[1].tile);
+  EXPECT_LT((left.phases[1].broad[0] - Vec3f(-0.2F, -0.1F, 0.3F)).norm(), 1e-6F);
+  EXPECT_LT((left.phases[1].broad[1] - Vec3f(-0.2F, 0.1F, 0.1F)).norm(), 1e-6F);
 }
 
 }  // namespace
