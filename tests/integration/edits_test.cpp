@@ -53,7 +53,7 @@ const std::vector<std::pair<std::string, std::vector<std::string>>> edits = {
 // A part of the default photograph, since Segment and DetailSolid take as long as their picture is large.
 fs::path small_photo(const fs::path& folder) {
   const Image all = read_image(test::source_folder() / "graphs/samples/section.png");
-  Image part(480, 480, 1, all.pixel_size);
+  Image part(320, 320, 1, all.pixel_size);
   for (int y = 0; y < part.height; ++y)
     for (int x = 0; x < part.width; ++x) part.at(x, y) = all.at(x, y);
   write_image(folder / "photo.png", part);
