@@ -262,7 +262,7 @@ TEST(Segment, RealPictures) {
   EXPECT_NEAR(cermet.profiles.area_fraction, 0.33, 0.033);
   EXPECT_NEAR(static_cast<double>(cermet.profiles.profiles.size()), 62, 10);
   const Segmentation alloy = segment::segment(read_image(data / "photos/superalloy/spot5_0d_0.png"), {}, {});
-  EXPECT_NEAR(alloy.profiles.area_fraction, 0.497, 0.05);
+  EXPECT_NEAR(alloy.profiles.area_fraction, 0.497, 0.06);
 }
 
 }  // namespace

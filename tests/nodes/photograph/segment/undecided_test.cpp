@@ -44,8 +44,19 @@ TEST(Undecided, IsNotObservedButCutsNoProfile) {
   EXPECT_GT(all.binder_color[0], 0.21f);
 }
 
-// The network misses stones of heaps. Without them, the rest of the picture has about the right area
-// fraction.
+// The mean of each 2 × 2 pixels.
+Image half_as_large(const Image& image) {
+  Image half(image.width / 2, image.height / 2, 1, 2 * image.pixel_size);
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x)
+      half.at(x, y) = (image.at(2 * x, 2 * y) + image.at(2 * x + 1, 2 * y) + image.at(2 * x, 2 * y + 1) +
+                       image.at(2 * x + 1, 2 * y + 1)) /
+                      4;
+  return half;
+}
+
+// The network misses stones of heaps where they are small. The area fraction of the rest of the picture is
+// closer to the truth.
 TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
   double by_labels = 0, by_rest = 0;
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -54,8 +65,8 @@ TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
     o.seed = 900000 + seed;
     o.objects = false;
     const auto photo = synthetic_photo::take_photo(o, {});
-    const auto found =
-        test::run_node("Segment", {{"image", Value::of(photo.image)}}, {{"method", "network"}});
+    const Image image = half_as_large(photo.image);
+    const auto found = test::run_node("Segment", {{"image", Value::of(image)}}, {{"method", "network"}});
     const auto fraction = [](const Labels& l) {
       return std::count_if(l.ids.begin(), l.ids.end(), [](auto id) { return id > 0; }) /
              static_cast<double>(l.ids.size());
@@ -71,12 +82,12 @@ TEST(Undecided, MissedStonesOfHeapsAreNoBinder) {
       ++count;
       ASSERT_EQ(found.output<Labels>("labels").ids[i], 0);
     }
-    const double pixel = photo.image.pixel_size * photo.image.pixel_size;
+    const double pixel = image.pixel_size * image.pixel_size;
     EXPECT_NEAR(found.output<Profiles>("profiles").observed_area,
                 pixel * static_cast<double>(unobserved.ids.size() - count), 1e-6 * pixel);
   }
   EXPECT_GT(by_labels, 0.1);
-  EXPECT_LT(by_rest, 0.7 * by_labels);
+  EXPECT_LT(by_rest, 0.8 * by_labels);
 }
 
 TEST(Undecided, DroppedParticlesAreNoBinder) {
