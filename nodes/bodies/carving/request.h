@@ -21,9 +21,9 @@ class ColorField;
 enum class Mode { Auto, Block, Cube, Object, Vase, Knot, Fracture, Particles };
 // The words of `mode`, in the order of Mode. Carve leaves out the last.
 extern const std::vector<std::string> kModes;
-// The parameter `mode`. Auto: particles if the photograph shows loose stones, else object if one is
-// connected, else block if there is a volume or a photograph, else particles.
-Mode resolved_mode(const Context&, const Profiles* photograph = nullptr);
+// The parameter `mode`; `photograph` may be null. Auto: particles if the photograph shows loose stones, else
+// object if one is connected, else block if there is a volume or a photograph, else particles.
+Mode resolved_mode(const Context&, const Profiles* photograph);
 
 // Declares the inputs volume, particles, shapes, object and detail, the last one last.
 void declare_solid(NodeType&);
