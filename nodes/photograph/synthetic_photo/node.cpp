@@ -42,10 +42,11 @@ NodeType synthetic_photo_node() {
       .output("unclear", "Labels",
               "1 on particles without a label: too small, too faint or too hidden to say whether a person "
               "would outline them")
-      .parameter(Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop"})
+      .parameter(Parameter::choice("scene", "any", {"any", "bank", "heap", "section", "outcrop", "alloy"})
                      .doc_("bank: stones in and on soil. heap: loose stones on each other. section: a plane "
                            "section through particles in a binder. any: each picture draws one of these "
-                           "three. outcrop: a bank whose stones have nearly the colors of the soil."))
+                           "three. outcrop: a bank whose stones have nearly the colors of the soil. alloy: a "
+                           "section of lobed grains that grew together."))
       .parameter(Parameter::integer("pictures", 1).range(1, 4096).doc_("Number of pictures"))
       .parameter(Parameter::integer("width", 256).range(16, 4096).unit_("pixels").doc_("Width of a picture"))
       .parameter(

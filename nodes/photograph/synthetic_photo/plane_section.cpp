@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "nodes/common/texture/noise.h"
+#include "nodes/photograph/synthetic_photo/cells.h"
+#include "nodes/photograph/synthetic_photo/joined_grains.h"
 
 namespace terrazzo::synthetic_photo {
 namespace {
@@ -66,6 +68,11 @@ struct Family {
     aligned = r.uniform() < 0.2;
     common_turn = r.uniform(0, 6.2832);
     corners = 3 + static_cast<int>(r.below(6));
+  }
+  void make_round() {
+    disc = 1;
+    polygon = cuboid = lobed = 0;
+    elongation = std::min(elongation, 1.5);
   }
   Outline draw(Random& r) const {
     Outline o;
@@ -142,9 +149,9 @@ class Sizes {
     return cut_ ? std::max(3.0, radius * std::sqrt(1 - height * height)) : radius;
   }
   // Particles much smaller than others, such as those that precipitated later.
-  static Sizes fine(Random& r) {
+  static Sizes fine(Random& r, double scale = 1) {
     Sizes s(r, 100);
-    s.smallest_ = r.uniform(3, 6);
+    s.smallest_ = scale * r.uniform(3, 6);
     s.largest_ = s.smallest_ * r.uniform(1.2, 2.5);
     s.law_ = 1;
     return s;
@@ -213,16 +220,6 @@ void drop_shapes(Canvas& c, double fill, const Sizes& sizes, const Family& famil
   }
 }
 
-struct CellSeed {
-  double x, y, weight;
-  bool binder;
-
-  double power(double px, double py) const {
-    const double dx = px - x, dy = py - y;
-    return dx * dx + dy * dy - weight;
-  }
-};
-
 // Seeds of cells that cover the canvas; some are binder.
 std::vector<CellSeed> draw_seeds(const Canvas& c, double fill, const Sizes& sizes, Random& r) {
   std::vector<CellSeed> seeds;
@@ -239,7 +236,7 @@ std::vector<CellSeed> draw_seeds(const Canvas& c, double fill, const Sizes& size
   return seeds;
 }
 
-// A power diagram (Aurenhammer 1987) with grooves of binder between its cells; some cells are binder.
+// A power diagram with grooves of binder between its cells; some cells are binder.
 void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Work& work) {
   const double area = static_cast<double>(c.width) * c.height;
   const std::vector<CellSeed> seeds = draw_seeds(c, fill, sizes, r);
@@ -249,48 +246,11 @@ void grow_cells(Canvas& c, double fill, const Sizes& sizes, Random& r, const Wor
   const double warp = r.uniform() < 0.6 ? r.uniform(0, 5) : 0, warp_size = r.uniform(8, 50);
   const double uneven = r.uniform(0, 0.8);
   const std::uint64_t seed = r.bits();
-  // Only the cells nearest to a block's center can reach into the block.
-  constexpr int kBlock = 16;
-  constexpr std::size_t kNearest = 40;
-  std::vector<std::size_t> order(seeds.size());
-  for (int by = 0; by < c.height; by += kBlock)
-    for (int bx = 0; bx < c.width; bx += kBlock) {
-      work.check();
-      for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-      const std::size_t near = std::min(kNearest, order.size());
-      std::partial_sort(order.begin(), order.begin() + near, order.end(), [&](std::size_t a, std::size_t b) {
-        return seeds[a].power(bx + kBlock / 2, by + kBlock / 2) <
-               seeds[b].power(bx + kBlock / 2, by + kBlock / 2);
-      });
-      for (int y = by; y < std::min(c.height, by + kBlock); ++y)
-        for (int x = bx; x < std::min(c.width, bx + kBlock); ++x) {
-          double wx = x, wy = y;
-          if (warp > 0) {
-            wx += warp * turbulence(seed, Vec3(x, y, 0) / warp_size, 2);
-            wy += warp * turbulence(seed + 3, Vec3(x, y, 0) / warp_size, 2);
-          }
-          double best = 1e30, next = 1e30;
-          std::size_t first = 0, second = 0;
-          for (std::size_t n = 0; n < near; ++n) {
-            const std::size_t k = order[n];
-            const double d = seeds[k].power(wx, wy);
-            if (d < best) {
-              next = best;
-              second = first;
-              best = d;
-              first = k;
-            } else if (d < next) {
-              next = d;
-              second = k;
-            }
-          }
-          const double apart = std::hypot(seeds[first].x - seeds[second].x, seeds[first].y - seeds[second].y);
-          const double to_border = (next - best) / (2 * std::max(1.0, apart));
-          const double groove = gap * (1 + uneven * noise(seed + 8, Vec3(x, y, 0) / 30)) / 2;
-          if (!seeds[first].binder && (gap == 0 || to_border > groove))
-            c.id[c.at(x, y)] = static_cast<std::int32_t>(first) + 1;
-        }
-    }
+  visit_cells(c, seeds, {warp, warp_size, seed}, work, [&](const CellPlace& p) {
+    const double groove = gap * (1 + uneven * noise(seed + 8, Vec3(p.x, p.y, 0) / 30)) / 2;
+    if (!seeds[p.first].binder && (gap == 0 || p.to_border > groove))
+      c.id[c.at(p.x, p.y)] = static_cast<std::int32_t>(p.first) + 1;
+  });
   c.particles = seeds.size();
 }
 
@@ -327,12 +287,10 @@ void add_halo(Canvas& c, Random& r) {
   }
 }
 
-}  // namespace
-
-void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPalette& palette, Random& r,
-                        const Work& work) {
+// Both return the size of a typical particle in canvas pixels.
+double drop_or_grow(Canvas& c, const SectionOptions& options, Random& r, const Work& work) {
   const double fill = options.fill;
-  const bool grown = options.grown;
+  const bool grown = options.kind == SectionKind::Grown;
   const Sizes sizes(r, std::sqrt(static_cast<double>(c.width) * c.height));
   const bool cells = !grown && (fill > 0.62 || (fill > 0.35 && r.uniform() < 0.3));
   if (cells)
@@ -341,10 +299,29 @@ void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPal
     drop_shapes(c, fill, sizes, Family(r, grown), 0, r, work);
   if (!cells && r.uniform() < (grown ? 0.5 : 0.15))
     drop_shapes(c, r.uniform(0.01, 0.08), Sizes::fine(r), Family(r, false), r.uniform(2, 5), r, work);
+  return sizes.middle();
+}
+
+double grow_joined(Canvas& c, double fill, Random& r, const Work& work) {
+  const double cell = grow_together(c, fill, r, work);
+  if (r.uniform() < 0.3) return cell;
+  Family shapes(r, false);
+  if (r.uniform() < 0.7) shapes.make_round();
+  drop_shapes(c, r.uniform(0.01, 0.06), Sizes::fine(r, std::max(1.0, cell / 70)), shapes,
+              r.uniform(2, 0.06 * cell), r, work);
+  return cell;
+}
+
+}  // namespace
+
+void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPalette& palette, Random& r,
+                        const Work& work) {
+  const bool joined = options.kind == SectionKind::Joined, grown = options.kind != SectionKind::Mixed;
+  const double size = joined ? grow_joined(c, options.fill, r, work) : drop_or_grow(c, options, r, work);
 
   const Texture binder = palette.ground(r);
   std::vector<Texture> textures;
-  for (int i = 0; i < c.particles; ++i) textures.push_back(palette.particle(r, sizes.middle()));
+  for (int i = 0; i < c.particles; ++i) textures.push_back(palette.particle(r, size));
   // Polishing leaves hard grains higher; a microscope shows bright or dark rims.
   const double rise = r.uniform() < 0.3 ? r.uniform(0, 3) : 0;
   const double rim = r.uniform() < 0.25 ? r.uniform(-0.5, 0.5) : 0;
@@ -363,7 +340,8 @@ void make_plane_section(Canvas& c, const SectionOptions& options, const PhotoPal
       c.color[i] = color;
       c.z[i] = static_cast<float>(rise) * inner[i];
     }
-  if (r.uniform() < (grown ? 0.6 : 0.15)) add_halo(c, r);
+  if (joined) add_ghosts(c, size, r);
+  if (r.uniform() < (joined ? 0.9 : grown ? 0.6 : 0.15)) add_halo(c, r);
   if (r.uniform() < (grown ? 0.4 : 0.1)) scratch(c, r);
   // Pores: dark pits that belong to no particle. Between fine dark particles nobody could tell them.
   if (r.uniform() < (grown ? 0.1 : 0.35))

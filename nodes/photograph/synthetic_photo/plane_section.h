@@ -7,13 +7,18 @@
 
 namespace terrazzo::synthetic_photo {
 
-struct SectionOptions {
-  double fill = 0.5;  // area fraction aimed at, 0 to 1
-  bool grown =
-      false;  // as phases grow in a metal: lobed particles, fine ones between large ones, halos, scratches
+enum class SectionKind {
+  Mixed,   // particles in a binder
+  Grown,   // as phases grow in a metal: lobed particles, fine ones between large ones, halos, scratches
+  Joined,  // the same, of grains that grew together and left notches
 };
 
-// Cells of a power diagram above a fill of about 0.6 unless `grown`, otherwise shapes dropped one after the
+struct SectionOptions {
+  double fill = 0.5;  // area fraction aimed at, 0 to 1
+  SectionKind kind = SectionKind::Mixed;
+};
+
+// Mixed: cells of a power diagram above a fill of about 0.6. Mixed and grown: shapes dropped one after the
 // other where there is room, so that neighbors may touch.
 void make_plane_section(Canvas&, const SectionOptions&, const PhotoPalette&, Random&, const Work&);
 

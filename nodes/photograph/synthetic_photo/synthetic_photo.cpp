@@ -26,9 +26,9 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
     const double which = r.uniform();
     scene = which < 0.5 ? Scene::Bank : which < 0.66 ? Scene::Heap : Scene::Section;
   }
-  const bool flat = scene == Scene::Section;
+  const bool joined = scene == Scene::Alloy, flat = joined || scene == Scene::Section;
   const bool phases =
-      flat && r.uniform() < 0.35 && options.fill.value_or(0) <= 0.62;  // lobes don't fill more
+      joined || (flat && r.uniform() < 0.35 && options.fill.value_or(0) <= 0.62);  // lobes don't fill more
   const bool gray = r.uniform() < (phases ? 0.75 : flat ? 0.3 : 0.04);
   const PhotoPalette palette(r,
                              phases                    ? Surroundings::Microscope
@@ -38,8 +38,12 @@ One take_one(const PhotoOptions& options, std::uint64_t number, const Work& work
                              gray);
   Canvas canvas(2 * options.width, 2 * options.height);
   if (flat)
-    make_plane_section(canvas, {options.fill.value_or(r.uniform(0.05, phases ? 0.7 : 0.97)), phases}, palette,
-                       r, work);
+    make_plane_section(canvas,
+                       {options.fill.value_or(r.uniform(joined ? 0.3 : 0.05, phases ? 0.7 : 0.97)),
+                        joined   ? SectionKind::Joined
+                        : phases ? SectionKind::Grown
+                                 : SectionKind::Mixed},
+                       palette, r, work);
   else
     make_relief(canvas,
                 {scene == Scene::Heap,

@@ -16,6 +16,7 @@ enum class Scene {
   Heap,     // loose stones that lie on each other
   Section,  // a plane section: stones, chips, grains or bubbles in a binder
   Outcrop,  // a bank whose stones have about the colors of the soil; not among Any
+  Alloy,    // a plane section of lobed grains that grew together, and fine ones; not among Any
 };
 
 struct PhotoOptions {

@@ -67,10 +67,15 @@ Record record_of(const segment::CloseUp& seen, const synthetic_photo::Photo& pho
   return r;
 }
 
+synthetic_photo::Scene scene_of(int number) {
+  using synthetic_photo::Scene;
+  return number % 9 == 8 ? Scene::Alloy : number % 2 == 0 ? Scene::Any : Scene::Outcrop;
+}
+
 Rows rows_of(const segment::Network& network, std::uint64_t seed, int number, bool closely) {
   synthetic_photo::PhotoOptions options;
   options.seed = seed;
-  options.scene = number % 2 == 0 ? synthetic_photo::Scene::Any : synthetic_photo::Scene::Outcrop;
+  options.scene = scene_of(number);
   const synthetic_photo::Photo photo = synthetic_photo::take_photo(options, {});
   std::vector<std::int64_t> areas(photo.labels.count() + 1, 0);
   for (const auto id : photo.labels.ids) ++areas[id];

@@ -36,7 +36,7 @@ TEST(SyntheticPhoto, APictureDoesNotDependOnHowManyAreTaken) {
 
 // Every label is one piece that is large enough to be seen, on material, and ids run without gaps.
 TEST(SyntheticPhoto, LabelsAreSingleVisiblePieces) {
-  for (const Scene scene : {Scene::Bank, Scene::Heap, Scene::Section})
+  for (const Scene scene : {Scene::Bank, Scene::Heap, Scene::Section, Scene::Alloy})
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
       const Photo photo = take_photo(small(scene, seed), {});
       ASSERT_EQ(photo.labels.ids.size(), photo.image.pixels.size());
@@ -44,7 +44,8 @@ TEST(SyntheticPhoto, LabelsAreSingleVisiblePieces) {
       const Components parts =
           connected_components(photo.labels.ids, photo.labels.width, photo.labels.height, false);
       EXPECT_EQ(parts.count(), photo.labels.count()) << "seed " << seed;
-      for (const auto size : parts.sizes) EXPECT_GE(size, scene == Scene::Section ? 14 : 40);
+      for (const auto size : parts.sizes)
+        EXPECT_GE(size, scene == Scene::Section || scene == Scene::Alloy ? 14 : 40);
       EXPECT_EQ(
           photo.labels.ids.empty() ? 0 : *std::max_element(photo.labels.ids.begin(), photo.labels.ids.end()),
           photo.labels.count());
