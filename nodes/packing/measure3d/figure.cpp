@@ -73,6 +73,47 @@ void add_particle_plots(const std::vector<Histogram>& all, std::vector<Plot>& pl
   }
 }
 
+// Share of chords per mm.
+PlotSeries chord_curve(const Histogram& h, std::string name, int color) {
+  PlotSeries s = series_of(Kind::Line, std::move(name), color);
+  for (std::size_t k = 0; k < h.share.size(); ++k) {
+    if (!(h.share[k] > 0)) continue;
+    s.x.push_back((h.edges[k] + h.edges[k + 1]) / 2);
+    s.y.push_back(h.share[k] / (h.edges[k + 1] - h.edges[k]));
+  }
+  return s;
+}
+
+// Share of the volume up to each diameter.
+PlotSeries cumulative_curve(const Histogram& h, std::string name, int color) {
+  PlotSeries s = series_of(Kind::Line, std::move(name), color);
+  double sum = 0;
+  for (std::size_t k = 0; k <= h.share.size(); ++k) {
+    s.x.push_back(h.edges[k]);
+    s.y.push_back(sum);
+    if (k < h.share.size()) sum += h.share[k];
+  }
+  return s;
+}
+
+void add_phase_plots(const std::vector<PhaseMeasures>& phases, const std::vector<Histogram>& all,
+                     std::vector<Plot>& plots) {
+  constexpr int kMostCurves = 6;
+  Plot chords = plot_of("Chords of the phase", "length, mm", "share of chords per mm");
+  chords.log_y = true;
+  for (int a = 0; a < 3; ++a)
+    if (const Histogram* h = find(all, std::string("chord along ") + "xyz"[a]))
+      chords.series.push_back(chord_curve(*h, std::string(1, "xyz"[a]), a));
+  if (!chords.series.empty()) plots.push_back(chords);
+  Plot thickness =
+      plot_of("Local thickness", "diameter of the largest ball, mm", "share of the phase up to it");
+  for (const PhaseMeasures& phase : phases)
+    if (const Histogram* h = find(all, "local thickness, phase " + phase.name);
+        h && count_of(thickness.series) < kMostCurves)
+      thickness.series.push_back(cumulative_curve(*h, phase.name, count_of(thickness.series)));
+  if (!thickness.series.empty()) plots.push_back(thickness);
+}
+
 void add_correlation_plots(const Correlation& c, std::vector<Plot>& plots) {
   Plot two = plot_of("Two-point correlation", "r, mm", "S2"), path = plot_of("Lineal path", "r, mm", "L");
   path.log_y = true;
@@ -125,7 +166,8 @@ void add_subvolume_plot(const Representative& r, std::vector<Plot>& plots) {
 Image figure_of(const Findings& f, const std::vector<Histogram>& histograms) {
   std::vector<Plot> plots;
   add_particle_plots(histograms, plots);
-  if (f.correlation) add_correlation_plots(*f.correlation, plots);
+  add_phase_plots(f.phases, histograms, plots);
+  if (f.correlation && f.phase) add_correlation_plots(*f.correlation, plots);
   if (f.representative) add_subvolume_plot(*f.representative, plots);
   if (plots.empty()) plots.push_back(plot_of("Nothing to show", "", ""));
   return draw(plots, std::min<int>(4, count_of(plots)));

@@ -4,8 +4,8 @@
 #include "nodes/data/opaque_volume.h"
 #include "nodes/packing/measure3d/pieces.h"
 #include "nodes/packing/measure3d/report.h"
-#include "nodes/packing/measure3d/surfaces.h"
 #include "runtime/context.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::measure3d {
 namespace {
@@ -77,20 +77,45 @@ void report_phases(Context& c, const Phases& phases, Findings& f) {
   c.warn(text + ". If the lowest label is the binder, set `threshold` above it.");
 }
 
+// The class that is the phase of the raster, if every class is inside or outside of it. Else −1.
+int class_of_phase(const Classes& classes, const Raster& raster) {
+  if (classes.count() != 2) return -1;
+  for (std::size_t i = 0; i < raster.count(); ++i)
+    if (raster.in[i]) return classes.voxels[classes.of[i]] == raster.inside ? classes.of[i] : -1;
+  return -1;
+}
+
+// Before labels of phases are split into their pieces.
+void measure_phases(Context& c, const Raster& raster, Phase phase, const Work& work, Findings& f) {
+  require_memory(2.0 * raster.count(), c.memory(), "the phases of the volume");
+  const bool uniform = raster.inside == 0 || raster.inside == raster.count();
+  if (const auto labels = classes_of_labels(raster, work.quiet())) {
+    f.phases = measure_classes(*labels, c.memory(), work.part(0, 0.4));
+    f.interfaces = interfaces_of(*labels, work.part(0.4, 0.5));
+    if (const int k = class_of_phase(*labels, raster); k >= 0) f.phase = f.phases[k];
+  }
+  if (f.phase || uniform) return;
+  Classes classes = classes_of_phase(raster, phase);
+  classes.wanted[0] = f.phases.empty();
+  const auto measured = measure_classes(classes, c.memory(), work.part(0.5, 0.9));
+  f.phase = measured[1];
+  if (!f.phases.empty()) return;
+  f.phases = measured;
+  f.interfaces = interfaces_of(classes, work.part(0.9, 1));
+}
+
 void measure_voxels(Context& c, Raster& raster, const Particles* particles, bool labels, Findings& f) {
   f.volume = raster.count() * raster.voxel_volume();
-  Phases phases;
-  if (labels) phases = split_phases(raster, c.work().quiet());
-  VoxelSurfaces surfaces = voxel_surfaces(raster, c.work().part(0.45, 0.55));
-  if (labels) {
-    f.bodies = bodies_of(raster, particles, c.work().part(0.55, 0.6));
-    if (!phases.labels.empty()) report_phases(c, phases, f);
-    f.touches = std::move(surfaces.touches);
-  }
   f.voxel_fraction = raster.fraction();
-  f.voxel_surface = surfaces.phase;
-  f.correlation = correlate(raster, c.memory(), c.work().part(0.6, 0.8));
-  f.representative = representative_volume(raster, c.number("precision"), c.work().part(0.8, 1));
+  measure_phases(c, raster, c.choice<Phase>("phase"), c.work().part(0.45, 0.8), f);
+  if (labels) {
+    const Phases phases = split_phases(raster, c.work().quiet());
+    f.touches = touches_of(raster, c.work().part(0.8, 0.85));
+    f.bodies = bodies_of(raster, particles, c.work().part(0.85, 0.87));
+    if (!phases.labels.empty()) report_phases(c, phases, f);
+  }
+  f.correlation = correlate(raster, c.memory(), c.work().part(0.87, 0.95));
+  f.representative = representative_volume(raster, c.number("precision"), c.work().part(0.95, 1));
 }
 
 // Particles of the phase, or all solid ones if the phase is the binder, that are not cut by the border.
@@ -110,6 +135,30 @@ void choose_bodies(Context& c, Phase phase, bool tiles, Findings& f) {
                     "and distributions, which therefore favor small particles",
                     cut, f.bodies.size()));
 }
+
+// Rows of the table that are metrics, too.
+constexpr std::pair<const char*, const char*> kMetrics[] = {
+    {"particles", "particles"},
+    {"mean diameter", "mean_diameter"},
+    {"mean contacts", "mean_contacts"},
+    {"nematic order", "nematic_order"},
+    {"volume fraction, meshes", "volume_fraction"},
+    {"specific surface, meshes", "specific_surface"},
+    {"volume fraction, voxels", "voxel_fraction"},
+    {"specific surface, voxels", "voxel_surface"},
+    {"mean chord", "mean_chord"},
+    {"mean chord along x", "mean_chord_x"},
+    {"mean chord along y", "mean_chord_y"},
+    {"mean chord along z", "mean_chord_z"},
+    {"mean local thickness", "mean_thickness"},
+    {"mean curvature per volume", "curvature_density"},
+    {"Euler number per volume", "euler_density"},
+    {"share connected across x", "percolation_x"},
+    {"share connected across y", "percolation_y"},
+    {"share connected across z", "percolation_z"},
+    {"share in the largest piece", "largest_share"},
+    {"integral range", "integral_range"},
+    {"representative edge", "representative_edge"}};
 
 void compute(Context& c) {
   check_inputs(c);
@@ -132,14 +181,7 @@ void compute(Context& c) {
   choose_bodies(c, phase, tiles, f);
   count_contacts(f);
   const Table summary = summary_of(f);
-  for (const auto& [row, name] :
-       {std::pair("particles", "particles"), std::pair("mean diameter", "mean_diameter"),
-        std::pair("mean contacts", "mean_contacts"), std::pair("nematic order", "nematic_order"),
-        std::pair("volume fraction, meshes", "volume_fraction"),
-        std::pair("specific surface, meshes", "specific_surface"),
-        std::pair("volume fraction, voxels", "voxel_fraction"),
-        std::pair("specific surface, voxels", "voxel_surface"), std::pair("integral range", "integral_range"),
-        std::pair("representative edge", "representative_edge")})
+  for (const auto& [row, name] : kMetrics)
     for (std::size_t k = 0; k < summary.rows.size(); ++k)
       if (std::get<std::string>(summary.rows[k][0]) == row) c.metric(name, summary.number(k, "value"));
   const double shortest = std::cbrt(f.volume);
@@ -156,6 +198,8 @@ void compute(Context& c) {
   c.output("contacts", contact_table(f));
   c.output("correlation", correlation_table(f));
   c.output("subvolumes", subvolume_table(f));
+  c.output("phases", phase_table(f));
+  c.output("interfaces", interface_table(f));
   c.output("figure", figure_of(f, histograms));
 }
 
@@ -166,15 +210,16 @@ namespace terrazzo {
 
 NodeType measure3d_node() {
   using namespace measure3d;
-  return NodeType("Measure3D", 2)
+  return NodeType("Measure3D", 3)
       .doc_(
           "Measures a packing or a volume of labels: distributions of volume, aspect, orientation and "
-          "coordination; contact area and "
-          "specific surface; two-point correlation and lineal path; the size of a representative volume.")
+          "coordination; contact area and specific surface; chord lengths, local thickness, curvature, Euler "
+          "number and connectivity of phases, and the interfaces between them; two-point correlation and "
+          "lineal path; the size of a representative volume.")
       .source_(
-          "Torquato 2002 (correlations); Ohser and Mücklich 2000 (surfaces); Lantuéjoul 1991, Kanit et al. "
-          "2003 (representative "
-          "volume); Zingg 1935 (aspect)")
+          "Torquato 2002 (correlations); Ohser and Mücklich 2000 (surfaces, curvature, Euler number); "
+          "Hildebrand and Rüegsegger 1997 (local thickness); Lantuéjoul 1991, Kanit et al. 2003 "
+          "(representative volume); Zingg 1935 (aspect)")
       .optional_input(
           "particles", {"Particles"},
           "Particles, measured from their meshes. With the volume, they show which labels are voids.")
@@ -189,7 +234,9 @@ NodeType measure3d_node() {
               "directions of the longest and "
               "shortest, contacts")
       .output("distributions", "Table",
-              "Histograms of volume, diameter, aspect, orientation, contacts and contact area")
+              "Histograms of volume, diameter, aspect, orientation, contacts and contact area; of phases, of "
+              "chords along x, y and z (shares of their number) and of local thickness (shares of the "
+              "volume, which are the granulometry by balls)")
       .output("contacts", "Table", "Pairs of particles that touch, with the area of contact")
       .output("correlation", "Table",
               "Two-point correlation S2 along x, y and z and over all directions, and lineal path L along x, "
@@ -197,6 +244,11 @@ NodeType measure3d_node() {
       .output("subvolumes", "Table",
               "Standard deviation of the volume fraction in cubes, with its standard error, and as expected "
               "from the integral range")
+      .output("phases", "Table",
+              "One row per label, if there are 2 to 64, else the phase and the rest: fraction; surface, mean "
+              "curvature and Euler number per volume; mean chords and local thickness; shares of the phase "
+              "that are connected across x, y and z, and in the largest piece")
+      .output("interfaces", "Table", "Pairs of these phases that touch: area, and area per volume")
       .output("figure", "Image", "Plots of these measures")
       .parameter(
           Parameter::choice("phase", "particles", {"particles", "voids", "binder"})

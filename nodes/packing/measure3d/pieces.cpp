@@ -2,92 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
+
+#include "nodes/packing/measure3d/runs.h"
 
 namespace terrazzo::measure3d {
 namespace {
-
-// Voxels [begin, end) of a row that have one label.
-struct Run {
-  std::int32_t label;
-  int begin, end;
-};
-
-// The runs of all rows, joined where they touch by faces of voxels.
-class Runs {
- public:
-  Runs(const Raster& raster, const Work& work) : raster_(raster), size_(raster.box.size) {
-    list(work);
-    parent_.resize(runs.size());
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-    join(work);
-  }
-
-  std::vector<Run> runs;
-  std::vector<std::size_t> row_begin;  // first run of each row, + 1
-
-  std::size_t root(std::size_t k) {
-    while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
-    return k;
-  }
-
- private:
-  const Raster& raster_;
-  Vec3i size_;
-  std::vector<std::size_t> parent_;
-
-  std::size_t row(int y, int z) const { return static_cast<std::size_t>(z) * size_.y() + y; }
-
-  void list(const Work& work) {
-    row_begin.push_back(0);
-    for (int z = 0; z < size_.z(); ++z) {
-      work.check();
-      for (int y = 0; y < size_.y(); ++y) {
-        const std::int32_t* ids = &raster_.ids[raster_.index(0, y, z)];
-        for (int x = 0; x < size_.x();) {
-          const int begin = x;
-          while (x < size_.x() && ids[x] == ids[begin]) ++x;
-          if (ids[begin] >= 0) runs.push_back({ids[begin], begin, x});
-        }
-        row_begin.push_back(runs.size());
-      }
-    }
-  }
-
-  void join(const Work& work) {
-    const bool wraps = raster_.box.periodic;
-    for (int z = 0; z < size_.z(); ++z) {
-      work.check();
-      for (int y = 0; y < size_.y(); ++y) {
-        if (wraps) join_ends(row(y, z));
-        if (y + 1 < size_.y() || wraps) join_rows(row(y, z), row((y + 1) % size_.y(), z));
-        if (z + 1 < size_.z() || wraps) join_rows(row(y, z), row(y, (z + 1) % size_.z()));
-      }
-    }
-  }
-
-  void join_ends(std::size_t r) {
-    if (row_begin[r] == row_begin[r + 1]) return;
-    const std::size_t a = row_begin[r], b = row_begin[r + 1] - 1;
-    if (runs[a].begin == 0 && runs[b].end == size_.x() && runs[a].label == runs[b].label) unite(a, b);
-  }
-
-  void join_rows(std::size_t r, std::size_t s) {
-    std::size_t a = row_begin[r], b = row_begin[s];
-    while (a < row_begin[r + 1] && b < row_begin[s + 1]) {
-      const bool overlap = runs[a].begin < runs[b].end && runs[b].begin < runs[a].end;
-      if (overlap && runs[a].label == runs[b].label) unite(a, b);
-      ++(runs[a].end < runs[b].end ? a : b);
-    }
-  }
-
-  // The root is the first run, so that pieces have an order.
-  void unite(std::size_t a, std::size_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-};
 
 struct Piece {
   std::int32_t label = 0;
@@ -159,7 +78,7 @@ std::vector<std::int32_t> labels_of_phases(const std::vector<Piece>& pieces) {
 }  // namespace
 
 Phases split_phases(Raster& raster, const Work& work) {
-  Runs runs(raster, work);
+  Runs runs(raster.ids.data(), raster.box, work);
   Pieces pieces = pieces_of(runs);
   if (raster.box.periodic) find_spanning(pieces, runs, raster.box.size, work);
   Phases out;

@@ -83,7 +83,9 @@ void count_contacts(Findings& f) {
     }
 }
 
-std::vector<Histogram> histograms_of(const Findings& f) {
+namespace {
+
+std::vector<Histogram> body_histograms(const Findings& f) {
   const auto volumes = values_of(f, [](const Body& b) { return b.volume; });
   if (volumes.empty()) return {};
   const auto bins =
@@ -114,6 +116,61 @@ std::vector<Histogram> histograms_of(const Findings& f) {
   if (!areas.empty())
     out.push_back(histogram_between("contact area", "mm²", areas, 0,
                                     *std::max_element(areas.begin(), areas.end()), bins));
+  return out;
+}
+
+// `of`: the end of the names.
+void add_phase_histograms(const PhaseMeasures& phase, const std::string& of, std::vector<Histogram>& out) {
+  constexpr std::size_t kMostBins = 40;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto& share = phase.chords[a].share;
+    if (share.empty()) continue;
+    const std::size_t width = (share.size() - 1 + kMostBins - 1) / kMostBins;  // voxels
+    Histogram h{std::string("chord along ") + "xyz"[a] + of, "mm", {0.5 * phase.spacing[a]}, {}, {}};
+    for (std::size_t k = 1; k < share.size(); ++k) {
+      if ((k - 1) % width == 0) {
+        h.edges.push_back((k + width - 0.5) * phase.spacing[a]);
+        h.share.push_back(0);
+      }
+      h.share.back() += share[k];
+    }
+    out.push_back(std::move(h));
+  }
+  if (!phase.thickness.share.empty())
+    out.push_back({"local thickness" + of, "mm", phase.thickness.edges, phase.thickness.share, {}});
+}
+
+using AddRow = std::function<void(const std::string&, double, double, const char*)>;
+
+void add_voxel_rows(const Findings& f, const AddRow& add) {
+  if (f.voxel_fraction)
+    add("volume fraction, voxels", *f.voxel_fraction,
+        f.representative ? f.representative->fraction_error : NAN, "");
+  if (f.voxel_fraction && !f.phase) add("specific surface, voxels", 0, NAN, "1/mm");
+  if (!f.phase) return;
+  const PhaseMeasures& p = *f.phase;
+  const auto add_known = [&](const std::string& name, double value, const char* unit) {
+    if (!std::isnan(value)) add(name, value, NAN, unit);
+  };
+  add_known("specific surface, voxels", p.densities.surface, "1/mm");
+  if (p.densities.surface > 0) add("mean chord", 4 * p.fraction / p.densities.surface, NAN, "mm");
+  for (std::size_t a = 0; a < 3; ++a)
+    add_known(std::string("mean chord along ") + "xyz"[a], p.chords[a].mean, "mm");
+  add_known("mean local thickness", p.thickness.mean, "mm");
+  add_known("sd of local thickness", p.thickness.deviation, "mm");
+  add_known("mean curvature per volume", p.densities.curvature, "1/mm²");
+  add_known("Euler number per volume", p.densities.euler, "1/mm³");
+  for (std::size_t a = 0; a < 3; ++a)
+    add(std::string("share connected across ") + "xyz"[a], p.percolation.across[a], NAN, "");
+  add("share in the largest piece", p.percolation.largest, NAN, "");
+}
+
+}  // namespace
+
+std::vector<Histogram> histograms_of(const Findings& f) {
+  std::vector<Histogram> out = body_histograms(f);
+  if (f.phase) add_phase_histograms(*f.phase, "", out);
+  for (const PhaseMeasures& phase : f.phases) add_phase_histograms(phase, ", phase " + phase.name, out);
   return out;
 }
 
@@ -166,14 +223,7 @@ Table summary_of(const Findings& f) {
       add("specific surface, meshes", surface / f.volume, NAN, "1/mm");
     }
   }
-  if (f.voxel_fraction)
-    add("volume fraction, voxels", *f.voxel_fraction,
-        f.representative ? f.representative->fraction_error : NAN, "");
-  if (f.voxel_surface) {
-    const double specific = *f.voxel_surface / f.volume;
-    add("specific surface, voxels", specific, NAN, "1/mm");
-    if (specific > 0) add("mean chord", 4 * *f.voxel_fraction / specific, NAN, "mm");
-  }
+  add_voxel_rows(f, add);
   if (f.representative && f.representative->integral_range > 0) {
     add("integral range", f.representative->integral_range, f.representative->integral_range_error, "mm³");
     add("representative edge", f.representative->edge, f.representative->edge_error, "mm");
@@ -239,6 +289,32 @@ Table subvolume_table(const Findings& f) {
   if (f.representative)
     for (const Subvolumes& s : f.representative->table)
       t.rows.push_back({s.edge, s.count, s.deviation, s.error, s.expected});
+  return t;
+}
+
+Table phase_table(const Findings& f) {
+  Table t;
+  t.columns = {"phase",         "fraction",      "surface 1/mm",  "curvature 1/mm²", "euler 1/mm³",
+               "chord_x mm",    "chord_y mm",    "chord_z mm",    "thickness mm",    "thickness_sd mm",
+               "percolation_x", "percolation_y", "percolation_z", "largest_share",   "pieces"};
+  for (const PhaseMeasures& p : f.phases) {
+    auto& row = t.rows.emplace_back();
+    row.emplace_back(p.name);
+    for (const double v :
+         {p.fraction, p.densities.surface, p.densities.curvature, p.densities.euler, p.chords[0].mean,
+          p.chords[1].mean, p.chords[2].mean, p.thickness.mean, p.thickness.deviation,
+          p.percolation.across[0], p.percolation.across[1], p.percolation.across[2], p.percolation.largest,
+          static_cast<double>(p.percolation.pieces)})
+      row.push_back(std::isnan(v) ? Table::Cell(std::string()) : Table::Cell(v));
+  }
+  return t;
+}
+
+Table interface_table(const Findings& f) {
+  Table t;
+  t.columns = {"a", "b", "area mm²", "area per volume 1/mm"};
+  for (const Interface& i : f.interfaces)
+    t.rows.push_back({f.phases[i.a].name, f.phases[i.b].name, i.area, i.per_volume});
   return t;
 }
 

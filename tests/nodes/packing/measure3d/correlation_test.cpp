@@ -12,8 +12,6 @@ namespace terrazzo {
 namespace {
 using namespace measure3d;
 
-constexpr std::uint64_t kMemory = 1ull << 32;
-
 Raster complement(Raster r) {
   for (auto& v : r.in) v = !v;
   r.inside = r.count() - r.inside;
@@ -28,7 +26,7 @@ TEST(Measure3DCorrelation, IsTheShareOfSegments) {
     const Raster raster = test::raster_of(n, spacing, periodic, [](int x, int y, int z) {
       return Random(4, 1, static_cast<std::uint64_t>((z * 9 + y) * 11 + x)).uniform() < 0.7 ? 0 : -1;
     });
-    const Correlation c = correlate(raster, kMemory, {});
+    const Correlation c = correlate(raster, test::kPlenty, {});
     EXPECT_EQ(c.step, 1);
     ASSERT_EQ(c.mean.size(), 6u);  // half of the shortest edge, 11 mm
     const auto in = [&](Vec3i v) {
@@ -79,7 +77,7 @@ TEST(Measure3DCorrelation, IsTheShareOfSegments) {
 TEST(Measure3DCorrelation, OfALaminateIsATriangleWave) {
   const Raster r = test::raster_of(Vec3i(64, 20, 36), Vec3::Constant(0.5), true,
                                    [](int x, int, int) { return x % 16 < 6 ? x / 16 : -1; });
-  const Correlation c = correlate(r, kMemory, {});
+  const Correlation c = correlate(r, test::kPlenty, {});
   ASSERT_EQ(c.mean.size(), 11u);
   for (std::size_t k = 0; k < c.mean.size(); ++k) {
     const auto distance = static_cast<double>(std::min(k % 16, 16 - k % 16));
@@ -91,9 +89,8 @@ TEST(Measure3DCorrelation, OfALaminateIsATriangleWave) {
   }
   // 8 borders of 10 × 18 mm in 32 mm. Planes along the axes are the worst case of 13 directions.
   const double exact = 8 * 10 * 18.0;
-  const VoxelSurfaces s = voxel_surfaces(r, {});
-  EXPECT_NEAR(s.phase / exact, 0.927, 0.003);
-  EXPECT_TRUE(s.touches.empty());
+  EXPECT_NEAR(test::surface_of(r) / exact, 0.927, 0.003);
+  EXPECT_TRUE(touches_of(r, {}).empty());
 }
 
 // n points of a Poisson process with a fixed number of points, in volume V: a set of volume v has none of
@@ -112,7 +109,7 @@ TEST(Measure3DCorrelation, OfABooleanModelIsExponential) {
   for (int seed = 0; seed < kSeeds; ++seed) {
     const Raster pores =
         complement(test::boolean_model(n, radius, count, 10 + static_cast<std::uint64_t>(seed)));
-    const Correlation c = correlate(pores, kMemory, {});
+    const Correlation c = correlate(pores, test::kPlenty, {});
     for (std::size_t k = 0; k < two.size(); ++k) {
       two[k] += c.mean[k] / kSeeds;
       length[k] = c.length[k];
@@ -138,7 +135,7 @@ TEST(Measure3DSurfaces, OfABooleanModel) {
   const double ball = 4.0 / 3 * M_PI * radius * radius * radius;
   double found = 0;
   for (std::uint64_t seed = 10; seed < 16; ++seed)
-    found += voxel_surfaces(test::boolean_model(n, radius, count, seed), {}).phase / volume / 6;
+    found += test::surface_of(test::boolean_model(n, radius, count, seed)) / volume / 6;
   const auto empty = [&](double v) { return std::pow(1 - v / volume, count); };
   const auto area = [&](double r) {
     return 4 * (empty(ball) - empty(ball + M_PI * (radius * radius * r - r * r * r / 12))) / r;
@@ -159,7 +156,7 @@ TEST(Measure3DSurfaces, OfABallWithAnyVoxels) {
       const Vec3 p = (Vec3(x, y, z) + Vec3::Constant(0.5)).cwiseProduct(spacing) - Vec3(8.1, 8.2, 7.4);
       return p.norm() < radius ? 0 : -1;
     });
-    EXPECT_NEAR(voxel_surfaces(r, {}).phase / (4 * M_PI * radius * radius), 1, 0.02);
+    EXPECT_NEAR(test::surface_of(r) / (4 * M_PI * radius * radius), 1, 0.02);
   }
 }
 
