@@ -30,6 +30,8 @@ struct MinkowskiDensities {
 // triangular ones 6. So the phase and the rest differ only in sign.
 // Euler number: of the union of closed voxels (26 neighbors), or with `faces_only` of that of open voxels
 // (6). That of the phase with one and that of the rest with the other are equal in periodic volumes.
+// Where bodies overlap in creases, as in Boolean models, both this and the curvature differ from those of the
+// bodies at any resolution (Ohser, Nagel and Schladitz 2003).
 MinkowskiDensities minkowski_densities(const Cubes&, const Vec3& spacing, bool faces_only);
 
 }  // namespace terrazzo::measure3d

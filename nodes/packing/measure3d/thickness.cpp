@@ -127,8 +127,7 @@ std::vector<Ball> balls_of(const Classes& classes, const std::vector<float>& squ
       });
   work.check();
   // Balls of one size give one thickness, so their order does not matter.
-  std::stable_sort(balls.begin(), balls.end(),
-                   [](const Ball& a, const Ball& b) { return a.square > b.square; });
+  std::sort(balls.begin(), balls.end(), [](const Ball& a, const Ball& b) { return a.square > b.square; });
   return balls;
 }
 
@@ -222,8 +221,9 @@ class Slab {
 
 std::vector<float> local_thickness(const Classes& classes, std::uint64_t memory, const Work& work) {
   constexpr std::size_t kPlanes = 8, kBalls = 4096;
+  constexpr double kVoxelBytes = 20;  // distance, thickness and, of one in three, a ball in two lists
+  require_memory(kVoxelBytes * classes.of.size(), memory, "the local thickness");
   const auto square = squared_distances(classes, memory, work.part(0, 0.1));
-  require_memory(4.0 * square.size(), memory, "the local thickness");
   std::vector<float> out(square.size(), 0);
   const auto balls = balls_of(classes, square, work.part(0.1, 0.2).quiet());
   const double unit = classes.box.spacing.minCoeff();

@@ -174,15 +174,19 @@ TEST(Measure3DMinkowski, OfBooleanModels) {
     const double number = count / volume, v = number * 4.0 / 3 * M_PI * std::pow(radius, 3),
                  s = number * 4 * M_PI * radius * radius, m = number * 4 * M_PI * radius;
     MinkowskiDensities mean{0, 0, 0};
+    double fraction = 0;
     for (std::uint64_t seed = 10; seed < 10 + kSeeds; ++seed) {
-      const auto d = densities_of(test::boolean_model(n, radius, count, seed));
+      const Raster model = test::boolean_model(n, radius, count, seed);
+      const auto d = densities_of(model);
+      fraction += model.fraction() / kSeeds;
       mean.surface += d.surface / kSeeds;
       mean.curvature += d.curvature / kSeeds;
       mean.euler += d.euler / kSeeds;
     }
     const double surface = s * std::exp(-v), curvature = (m - M_PI * M_PI / 32 * s * s) * std::exp(-v),
                  euler = (number - m * s / (4 * M_PI) + M_PI / 384 * s * s * s) * std::exp(-v);
-    EXPECT_NEAR(mean.surface / surface, 1, 0.09);  // voxels miss the dents where balls meet
+    EXPECT_NEAR(fraction, 1 - std::exp(-v), 0.012);  // two standard deviations
+    EXPECT_NEAR(mean.surface / surface, 1, 0.09);    // voxels miss the dents where balls meet
     EXPECT_NEAR(mean.curvature, curvature, 0.1 * m);
     EXPECT_NEAR(mean.euler, digital_euler(radius, count, volume), 0.05 * number);
     EXPECT_LT(mean.euler, euler);

@@ -2,6 +2,9 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+
+#include "graph/diagnostic.h"
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/packing/measure3d/phase_measures.h"
@@ -182,6 +185,17 @@ TEST(Measure3DPhases, OfManyLabelsAreTogether) {
   }
   EXPECT_NEAR(many.metrics.at("euler_density"), 125.0 / 27000, 1e-12);
   EXPECT_NEAR(many.metrics.at("largest_share"), 1.0 / 125, 1e-12);
+}
+
+TEST(Measure3DPhases, StopWhenCanceled) {
+  const auto c = test::classes_of({12, 12, 12}, Vec3::Ones(), true, test::random_labels(3, 2, 4));
+  const std::atomic<bool> canceled = true;
+  const Work work(&canceled, nullptr);
+  EXPECT_THROW(measure3d::chord_lengths(c, work), Cancelled);
+  EXPECT_THROW(measure3d::count_cubes(c, work), Cancelled);
+  EXPECT_THROW(measure3d::percolation_of(c, test::kPlenty, work), Cancelled);
+  EXPECT_THROW(measure3d::local_thickness(c, test::kPlenty, work), Cancelled);
+  EXPECT_THROW(measure3d::interfaces_of(c, work), Cancelled);
 }
 
 TEST(Measure3DPhases, OfTheElectrodeAreThoseOfTheFile) {

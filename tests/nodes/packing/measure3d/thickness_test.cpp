@@ -124,7 +124,8 @@ TEST(Measure3DThickness, IsZeroWhereItIsNotWantedOrNotKnown) {
   const auto none = local_thickness(one, test::kPlenty, {});
   EXPECT_EQ(*std::max_element(none.begin(), none.end()), 0);
   EXPECT_TRUE(std::isnan(thickness_distributions(one, none, {})[0].mean));
-  EXPECT_EQ(test::code_of([&] { local_thickness(c, 4 * 512 - 1, {}); }), "too-large");
+  EXPECT_EQ(test::code_of([&] { local_thickness(c, 20 * 512 - 1, {}); }), "too-large");
+  EXPECT_EQ(test::code_of([&] { squared_distances(c, 4 * 512 - 1, {}); }), "too-large");
 }
 
 }  // namespace
