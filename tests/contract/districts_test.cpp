@@ -19,9 +19,9 @@ namespace fs = std::filesystem;
 
 // The districts in the order in which the data passes. A file may include its own folder, the libraries of
 // its district, and earlier districts. Never another node.
-const std::vector<std::string> kDistricts = {"data",    "common", "photograph", "sizes",  "shapes",
-                                             "packing", "color",  "solids",     "detail", "cooccurrence",
-                                             "volumes", "bodies", "compare",    "study",  "export"};
+const std::vector<std::string> kDistricts = {
+    "data",   "common",       "photograph", "sizes",      "shapes", "packing", "color", "solids",
+    "detail", "cooccurrence", "volumes",    "properties", "bodies", "compare", "study", "export"};
 
 // Libraries of districts, by level. A library may include those of lower levels in its district.
 const std::map<std::string, int> kLibraries = {

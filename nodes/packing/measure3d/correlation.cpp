@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "nodes/common/texture/block_fft.h"
 #include "nodes/common/texture/lane_fft.h"
 #include "nodes/data/indices.h"
 #include "runtime/memory.h"
@@ -12,43 +13,6 @@ namespace terrazzo::measure3d {
 namespace {
 
 using Complex = std::complex<float>;
-
-// Transforms a block of `size` complex numbers, x fastest, along every axis. Unnormalized.
-void transform(std::vector<Complex>& data, const Vec3i& size, bool inverse, const Work& work) {
-  constexpr std::size_t kInner = 4, kLanes = 4, kLines = kInner * kLanes;
-  const std::size_t stride[3] = {1, static_cast<std::size_t>(size.x()), pixels_in(size.x(), size.y())};
-  for (int axis = 0; axis < 3; ++axis) {
-    const LaneFft fft(size[axis]);
-    const std::size_t n = size[axis];
-    const std::size_t lines = data.size() / n;
-    // The first element of each line: lines next to each other in memory come next to each other.
-    const auto start = [&](std::size_t line) {
-      return axis == 0 ? line * n : line / stride[axis] * stride[axis] * n + line % stride[axis];
-    };
-    work.part(axis / 3.0, (axis + 1) / 3.0)
-        .parallel((lines + kLines - 1) / kLines, 16, [&](std::size_t begin, std::size_t end) {
-          std::vector<LaneComplex> block(n * kInner), scratch(n * kInner);
-          for (std::size_t b = begin; b < end; ++b) {
-            const std::size_t first = b * kLines, count = std::min(kLines, lines - first);
-            for (std::size_t l = 0; l < kLines; ++l) {
-              const Complex* from = l < count ? data.data() + start(first + l) : nullptr;
-              for (std::size_t i = 0; i < n; ++i) {
-                const Complex v = from ? from[i * stride[axis]] : Complex(0);
-                block[i * kInner + l / kLanes].re[l % kLanes] = v.real();
-                block[i * kInner + l / kLanes].im[l % kLanes] = v.imag();
-              }
-            }
-            fft.run(block.data(), scratch.data(), kInner, inverse);
-            for (std::size_t l = 0; l < count; ++l) {
-              Complex* to = data.data() + start(first + l);
-              for (std::size_t i = 0; i < n; ++i)
-                to[i * stride[axis]] = {block[i * kInner + l / kLanes].re[l % kLanes],
-                                        block[i * kInner + l / kLanes].im[l % kLanes]};
-            }
-          }
-        });
-  }
-}
 
 // Number of segments from voxel to voxel along the axis that are entirely in the phase, by length in voxels.
 std::vector<double> paths_inside(const Raster& raster, int axis, int reach) {
@@ -131,9 +95,9 @@ Correlation correlate(const Raster& raster, std::uint64_t memory, const Work& wo
   for (int z = 0; z < n.z(); ++z)
     for (int y = 0; y < n.y(); ++y)
       for (int x = 0; x < n.x(); ++x) field[at(x, y, z)] = raster.in[raster.index(x, y, z)];
-  transform(field, padded, false, work.part(0, 0.4));
+  transform_block(field, padded, false, work.part(0, 0.4));
   for (Complex& v : field) v = std::norm(v);
-  transform(field, padded, true, work.part(0.4, 0.8));
+  transform_block(field, padded, true, work.part(0.4, 0.8));
   // Share of the segments by a lag (dx, dy ≥ −lags, dz ≥ 0) whose ends are both in the phase.
   const auto two_point = [&](int dx, int dy, int dz) {
     double segments = 1;

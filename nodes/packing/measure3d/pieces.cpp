@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "nodes/packing/measure3d/runs.h"
+#include "nodes/common/geometry/grid/runs.h"
 
 namespace terrazzo::measure3d {
 namespace {
@@ -19,7 +19,7 @@ struct Pieces {
   std::vector<Piece> all;  // by their first run
 };
 
-Pieces pieces_of(Runs& runs) {
+Pieces pieces_of(VoxelRuns& runs) {
   Pieces out;
   for (std::size_t k = 0; k < runs.runs.size(); ++k) {
     const std::size_t root = runs.root(k);
@@ -35,7 +35,7 @@ Pieces pieces_of(Runs& runs) {
 }
 
 // Finds which pieces have voxels in all planes across some axis.
-void find_spanning(Pieces& pieces, const Runs& runs, const Vec3i& n, const Work& work) {
+void find_spanning(Pieces& pieces, const VoxelRuns& runs, const Vec3i& n, const Work& work) {
   std::vector<std::vector<bool>> planes(pieces.all.size());  // along x, then y, then z
   const double fewest = n.minCoeff();
   for (std::size_t row = 0; row + 1 < runs.row_begin.size(); ++row) {
@@ -78,7 +78,7 @@ std::vector<std::int32_t> labels_of_phases(const std::vector<Piece>& pieces) {
 }  // namespace
 
 Phases split_phases(Raster& raster, const Work& work) {
-  Runs runs(raster.ids.data(), raster.box, work);
+  VoxelRuns runs(raster.ids.data(), raster.box, work);
   Pieces pieces = pieces_of(runs);
   if (raster.box.periodic) find_spanning(pieces, runs, raster.box.size, work);
   Phases out;

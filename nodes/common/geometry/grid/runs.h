@@ -6,21 +6,23 @@
 #include <cstdint>
 #include <vector>
 
-#include "nodes/packing/measure3d/raster.h"
+#include "nodes/common/geometry/grid/voxel_source.h"
+#include "runtime/work.h"
 
-namespace terrazzo::measure3d {
+namespace terrazzo {
 
 // Voxels [begin, end) of a row along x that have one label.
-struct Run {
+struct VoxelRun {
   std::int32_t label;
   int begin, end;
 };
 
-class Runs {
+class VoxelRuns {
  public:
   // Of labels that are not negative, x fastest. Periodic boxes wrap.
   template <class Label>
-  Runs(const Label* labels, const VoxelBox& box, const Work& work) : size_(box.size), wraps_(box.periodic) {
+  VoxelRuns(const Label* labels, const VoxelBox& box, const Work& work)
+      : size_(box.size), wraps_(box.periodic) {
     row_begin.push_back(0);
     for (int z = 0; z < size_.z(); ++z) {
       work.check();
@@ -29,7 +31,7 @@ class Runs {
     join(work);
   }
 
-  std::vector<Run> runs;
+  std::vector<VoxelRun> runs;
   std::vector<std::size_t> row_begin;  // first run of each row, + 1
 
   // The first run of the piece that contains run k.
@@ -37,6 +39,9 @@ class Runs {
   // Along which axes (bits 0 to 2) some path inside the piece of this root leads through the period back to
   // where it began, but in another period. 0 if the box does not wrap.
   unsigned winding(std::size_t root) const { return winding_[root]; }
+  // The axes along which each piece reaches across (bits 0 to 2), at its root: those of its winding, or if
+  // the box does not wrap, those of which it touches both opposite sides.
+  std::vector<std::uint8_t> reach(const Work&);
 
  private:
   using Periods = std::array<std::int32_t, 3>;
@@ -65,4 +70,4 @@ class Runs {
   void unite(std::size_t a, std::size_t b, const Periods& step);
 };
 
-}  // namespace terrazzo::measure3d
+}  // namespace terrazzo

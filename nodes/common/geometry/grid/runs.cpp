@@ -1,10 +1,10 @@
-#include "nodes/packing/measure3d/runs.h"
+#include "nodes/common/geometry/grid/runs.h"
 
 #include <numeric>
 
-namespace terrazzo::measure3d {
+namespace terrazzo {
 
-std::size_t Runs::root(std::size_t k) {
+std::size_t VoxelRuns::root(std::size_t k) {
   while (parent_[k] != k) {
     const std::size_t up = parent_[k];
     for (std::size_t a = 0; a < 3; ++a) offset_[k][a] += offset_[up][a];  // that of a root is zero
@@ -13,7 +13,23 @@ std::size_t Runs::root(std::size_t k) {
   return k;
 }
 
-void Runs::join(const Work& work) {
+std::vector<std::uint8_t> VoxelRuns::reach(const Work& work) {
+  if (wraps_) return winding_;
+  std::vector<std::uint8_t> low(runs.size(), 0), high(runs.size(), 0);
+  for (std::size_t row = 0; row + 1 < row_begin.size(); ++row) {
+    if (row % 4096 == 0) work.check();
+    const int y = row % size_.y(), z = row / size_.y();
+    for (std::size_t k = row_begin[row]; k < row_begin[row + 1]; ++k) {
+      const std::size_t piece = root(k);
+      low[piece] |= (runs[k].begin == 0) | (y == 0) << 1 | (z == 0) << 2;
+      high[piece] |= (runs[k].end == size_.x()) | (y == size_.y() - 1) << 1 | (z == size_.z() - 1) << 2;
+    }
+  }
+  for (std::size_t k = 0; k < low.size(); ++k) low[k] &= high[k];
+  return low;
+}
+
+void VoxelRuns::join(const Work& work) {
   parent_.resize(runs.size());
   std::iota(parent_.begin(), parent_.end(), std::size_t{0});
   offset_.assign(runs.size(), {});
@@ -30,14 +46,14 @@ void Runs::join(const Work& work) {
   }
 }
 
-void Runs::join_ends(std::size_t r) {
+void VoxelRuns::join_ends(std::size_t r) {
   if (row_begin[r] == row_begin[r + 1]) return;
   const std::size_t a = row_begin[r], b = row_begin[r + 1] - 1;
   if (runs[a].begin == 0 && runs[b].end == size_.x() && runs[a].label == runs[b].label)
     unite(b, a, {1, 0, 0});
 }
 
-void Runs::join_rows(std::size_t r, std::size_t s, const Periods& step) {
+void VoxelRuns::join_rows(std::size_t r, std::size_t s, const Periods& step) {
   std::size_t a = row_begin[r], b = row_begin[s];
   while (a < row_begin[r + 1] && b < row_begin[s + 1]) {
     const bool overlap = runs[a].begin < runs[b].end && runs[b].begin < runs[a].end;
@@ -47,7 +63,7 @@ void Runs::join_rows(std::size_t r, std::size_t s, const Periods& step) {
 }
 
 // The root is the first run, so that pieces have an order.
-void Runs::unite(std::size_t a, std::size_t b, const Periods& step) {
+void VoxelRuns::unite(std::size_t a, std::size_t b, const Periods& step) {
   // From the root to k.
   const auto offset_from = [&](std::size_t k) {
     Periods sum{};
@@ -72,4 +88,4 @@ void Runs::unite(std::size_t a, std::size_t b, const Periods& step) {
   winding_[from] |= winding_[to];
 }
 
-}  // namespace terrazzo::measure3d
+}  // namespace terrazzo

@@ -1,0 +1,25 @@
+// How far an iterative solver has come.
+#pragma once
+
+#include "graph/diagnostic.h"
+#include "runtime/work.h"
+
+namespace terrazzo::homogenize {
+
+struct Accuracy {
+  double tolerance;  // of the relative residual
+  int iterations;    // at most
+};
+
+struct Convergence {
+  int iterations = 0;
+  double residual = 0;  // relative to that of the start from zero
+};
+
+// Shows the residual, with the progress that its logarithm has made toward the tolerance.
+void report(const Convergence&, double tolerance, const Work&);
+
+// Error "no-convergence", with the residual.
+Error stalled(const Convergence&, double tolerance);
+
+}  // namespace terrazzo::homogenize

@@ -1,0 +1,62 @@
+// Linear systems on a periodic voxel grid in which each cell exchanges something with its six neighbors.
+#pragma once
+
+#include <vector>
+
+#include "nodes/data/linear.h"
+#include "nodes/properties/homogenize/convergence.h"
+#include "runtime/work.h"
+
+namespace terrazzo::homogenize {
+
+// The operator (A x)(i) = Σ g (x(i) − x(j)) + s(i) x(i) over the neighbors j of cell i. Cells are stored x
+// fastest.
+struct Conductances {
+  Vec3i size = Vec3i::Zero();
+  // At cell i, the conductance of the face to the next cell along x, y and z; the last one faces the first.
+  std::vector<float> face[3];
+  std::vector<float> sink;  // s; empty: zero everywhere
+};
+
+// A preconditioner for it: one W-cycle of multigrid on cells merged by 2 × 2 × 2, in single precision, with
+// Gauss–Seidel sweeps in colors. It is symmetric and positive, and does not depend on the number of threads.
+class Multigrid {
+ public:
+  Multigrid(Conductances, const Work&);
+
+  const Vec3i& size() const { return levels_[0].size; }
+  std::size_t count() const { return levels_[0].inverse.size(); }
+  // y = A x, in double precision. T: float or double.
+  template <class T>
+  void apply(const std::vector<T>& x, std::vector<double>& y, const Work&) const;
+  // z ≈ A⁻¹ r.
+  void precondition(const std::vector<double>& r, std::vector<float>& z, const Work&);
+
+  // Bytes for a grid of `cells` cells.
+  static double bytes(double cells) { return cells * 32; }
+
+ private:
+  struct Level {
+    Vec3i size = Vec3i::Zero();
+    std::vector<float> face[3], sink;
+    std::vector<float> inverse;  // of the diagonal, 0 where that is 0
+    std::vector<float> x, b;
+  };
+  static Level coarser(const Level&, const Work&);
+  static void set_inverse(Level&, const Work&);
+  static void smooth(Level&, bool forward, const Work&);
+  static void restrict_residual(const Level& fine, Level& coarse, const Work&);
+  static void correct(Level& fine, const Level& coarse, const Work&);
+  void cycle(std::size_t level, const Work&);
+
+  std::vector<Level> levels_;
+};
+
+// Solves A x = b by conjugate gradients, from zero. Stops when the residual is at most `tolerance`, and so is
+// the error of energy − b·x relative to that difference, an effective value, as far as the preconditioner can
+// tell; 0: no such value. Throws Error "no-convergence" with the residual if the iterations do not suffice. A
+// singular A needs a `b` without a component in its null space.
+Convergence solve(Multigrid&, const std::vector<double>& b, double energy, std::vector<double>& x,
+                  const Accuracy&, const Work&);
+
+}  // namespace terrazzo::homogenize

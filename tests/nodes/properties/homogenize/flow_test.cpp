@@ -1,0 +1,125 @@
+// Permeability against channels, ducts and published arrays of balls.
+#include "nodes/properties/homogenize/flow.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/nodes/properties/homogenize/models.h"
+#include "tests/support/code_of.h"
+
+namespace terrazzo {
+namespace {
+using namespace homogenize;
+using namespace test;
+
+// Between plates, n voxels apart: on this grid (n² + 2)/12 times the open share, in the limit n²/12.
+TEST(Flow, BetweenPlatesIsExact) {
+  for (int across = 0; across < 3; ++across)
+    for (const int n : {1, 2, 7}) {
+      Vec3i size(4, 5, 3);
+      size[across] = n + 2;
+      const auto map = test::phase_map(
+          size, 2,
+          [&](int x, int y, int z) {
+            return (across == 0 ? x : across == 1 ? y : z) < n ? 1 : 0;
+          },
+          Vec3::Constant(0.5));
+      const Solved s = permeate(map, {0, 1}, Boundary::Periodic, kAllAxes, kFine, kAmple, {});
+      EXPECT_FALSE(s.connected[across]);
+      EXPECT_EQ(s.effective(across, across), 0);
+      for (const int a : {(across + 1) % 3, (across + 2) % 3})
+        EXPECT_NEAR(s.effective(a, a) / (0.25 * (n * n + 2) / 12.0 * n / (n + 2)), 1, 1e-5) << across << n;
+    }
+}
+
+// A square duct: 0.035144 times its area (White 2006).
+TEST(Flow, ThroughADuctConvergesToTheSeries) {
+  double before = 1;
+  for (const int n : {8, 16}) {
+    const auto map =
+        test::phase_map({4, n + 1, n + 1}, 2, [&](int, int y, int z) { return y < n && z < n ? 1 : 0; });
+    const double k = permeate(map, {0, 1}, Boundary::Periodic, kAlongX, kFine, kAmple, {}).effective(0, 0);
+    const double error = std::abs(k * (n + 1) * (n + 1) / (0.035144 * std::pow(n, 4)) - 1);
+    EXPECT_LT(error, 0.3 * before);
+    before = error;
+  }
+  EXPECT_LT(before, 0.02);
+}
+
+// The same duct with a given pressure on both ends, and walls around the volume.
+TEST(Flow, BetweenFixedPressuresIsThatOfTheDuct) {
+  const int n = 6;
+  const auto open = test::phase_map({5, n, n}, 1, [](int, int, int) { return 0; });
+  const auto walled =
+      test::phase_map({5, n + 1, n + 1}, 2, [&](int, int y, int z) { return y < n && z < n ? 1 : 0; });
+  const double fixed = permeate(open, {1}, Boundary::Fixed, kAlongX, kFine, kAmple, {}).effective(0, 0);
+  const double periodic =
+      permeate(walled, {0, 1}, Boundary::Periodic, kAlongX, kFine, kAmple, {}).effective(0, 0);
+  EXPECT_NEAR(fixed / (periodic * (n + 1) * (n + 1) / (n * n)), 1, 1e-5);
+}
+
+// Drag of a simple cubic array of balls, relative to Stokes' for one (Zick and Homsy 1982, table 2).
+TEST(Flow, AroundACubicArrayOfBallsHasThePublishedDrag) {
+  for (const auto& [fraction, drag] : {std::pair(0.125, 4.292), std::pair(0.343, 15.4)}) {
+    const int n = 40;
+    const auto map = test::ball(n, fraction);
+    const double f = map.fraction[1], radius = n * std::cbrt(3 * f / (4 * M_PI));
+    const double k = permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, kAmple, {}).effective(0, 0);
+    EXPECT_NEAR(2 * radius * radius / (9 * f * k) / drag, 1, 0.02) << fraction;
+  }
+}
+
+TEST(Flow, ThroughRandomPoresIsSymmetricAndScalesWithTheSquareOfTheVoxel) {
+  // Balls that overlap, as a sum of few of them.
+  const auto solid = [](int x, int y, int z) {
+    bool in = false;
+    for (std::uint64_t k = 0; k < 20; ++k) {
+      Random r(9, 1, k);
+      Vec3 d = Vec3(x, y, z) - 24 * Vec3(r.uniform(), r.uniform(), r.uniform());
+      for (int a = 0; a < 3; ++a) d[a] -= 24 * std::round(d[a] / 24);
+      in |= d.norm() < 5;
+    }
+    return in ? 1 : 0;
+  };
+  const auto map = test::phase_map({24, 24, 24}, 2, solid),
+             coarse = test::phase_map({24, 24, 24}, 2, solid, {3, 3, 3});
+  const Mat3 k = permeate(map, {1, 0}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {}).effective;
+  EXPECT_LT((k - k.transpose()).norm(), 1e-4 * k.norm());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Mat3>(k).eigenvalues()[0], 0);
+  const Mat3 scaled = permeate(coarse, {1, 0}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {}).effective;
+  EXPECT_LT((scaled - 9 * k).norm(), 1e-5 * scaled.norm());
+}
+
+// A slit whose voxels are not cubes: the profile depends on the edge across only.
+TEST(Flow, KnowsTheEdgesOfVoxels) {
+  const int n = 5;
+  const auto map =
+      test::phase_map({3, n + 1, 4}, 2, [&](int, int y, int) { return y < n ? 1 : 0; }, {0.7, 0.2, 1.5});
+  const Mat3 k = permeate(map, {0, 1}, Boundary::Periodic, kAllAxes, kFine, kAmple, {}).effective;
+  for (const int a : {0, 2}) EXPECT_NEAR(k(a, a) / (0.04 * (n * n + 2) / 12.0 * n / (n + 1)), 1, 1e-5);
+}
+
+TEST(Flow, HasEqualBitsOnAnyNumberOfThreads) {
+  const auto map = test::ball(15, 0.3);
+  const auto all = test::with_threads([&] {
+    return permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, kAmple, {});
+  });
+  for (const Solved& s : all) {
+    EXPECT_EQ(s.effective, all[0].effective);
+    EXPECT_EQ(s.flow, all[0].flow);
+  }
+}
+
+TEST(Flow, FailsWithTheResidualAndBeforeItTakesTooMuchMemory) {
+  const auto map = test::ball(16, 0.3);
+  EXPECT_EQ(test::code_of([&] {
+              permeate(map, {1, 0}, Boundary::Periodic, kAlongX, {1e-9, 2}, kAmple, {});
+            }),
+            "no-convergence");
+  EXPECT_EQ(test::code_of([&] {
+              permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, 100'000, {});
+            }),
+            "too-large");
+}
+
+}  // namespace
+}  // namespace terrazzo
