@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "nodes/data/indices.h"
-#include "nodes/photograph/segment/color/joined_bodies.h"
 
 namespace terrazzo::segment {
 namespace {
@@ -11,13 +10,14 @@ namespace {
 constexpr double kLead = 1.6;       // factor of the scores of bodies, since color draws finer outlines
 constexpr double kFirst = 2;        // score of bodies that must not be lost
 constexpr double kBinder = 0.45;    // of the network's `inside`: below it, the network sees binder
-constexpr double kExplained = 0.7;  // share of a body that candidates must cover to replace it
-// The same of a body that joins particles: the rest of it is the gaps between them.
-constexpr double kExplainedOfJoined = 0.3;
+constexpr double kSure = 0.6;       // score from which the network may contradict color
+constexpr double kExplained = 0.3;  // share of a body that candidates must cover to replace it
 
-// Candidates of which at least half lies on bodies: color decides what is binder.
+// Candidates of which at least half lies on bodies: color decides what is binder, unless the network is sure.
+// The faintest particles have no patch of their own, and in uneven light some have the binder's color.
 std::vector<Instance> on_bodies(std::vector<Instance> candidates, const Particles2D& bodies) {
   std::erase_if(candidates, [&](const Instance& in) {
+    if (in.score >= kSure) return false;
     const auto on =
         std::count_if(in.pixels.begin(), in.pixels.end(), [&](auto i) { return bodies.labels[i] > 0; });
     return 2 * on < static_cast<std::ptrdiff_t>(in.pixels.size());
@@ -27,16 +27,15 @@ std::vector<Instance> on_bodies(std::vector<Instance> candidates, const Particle
 
 // Bodies as rivals of candidates. A body that the network does not know stays, unless it is faint and the
 // network sees binder there at every scale.
-std::vector<Instance> rivals_of(const Bodies& by_color, const std::vector<bool>& joined,
-                                const NetworkView& view) {
-  std::vector<Instance> rivals(joined.size());
+std::vector<Instance> rivals_of(const Bodies& by_color, const NetworkView& view) {
+  std::vector<Instance> rivals(by_color.scores.size());
   const auto& labels = by_color.particles.labels;
   for (std::size_t i = 0; i < labels.size(); ++i)
     if (labels[i] > 0) rivals[labels[i] - 1].pixels.push_back(static_cast<std::int32_t>(i));
   for (std::size_t k = 0; k < rivals.size(); ++k) {
     if (by_color.faint[k] && view.largest_inside(rivals[k].pixels) < kBinder) rivals[k].pixels.clear();
     rivals[k].score = std::max(NetworkOptions().min_score, kLead * by_color.scores[k]);
-    rivals[k].explained = joined[k] ? kExplainedOfJoined : kExplained;
+    rivals[k].explained = kExplained;
   }
   return rivals;
 }
@@ -77,13 +76,12 @@ void keep_outlines(Particles2D& p, const Particles2D& bodies, int width, int hei
 }
 
 NetworkView::Found choose_among_rivals(const NetworkView& view, std::vector<Instance> candidates,
-                                       const Bodies& by_color, const LabImage& image,
-                                       const SplitOptions& split, const Work& work) {
+                                       const Bodies& by_color, const Image& image, const SplitOptions& split,
+                                       const Work& work) {
   const Particles2D& bodies = by_color.particles;
   std::vector<Instance> all = on_bodies(std::move(candidates), bodies);
   const std::size_t first = all.size();
-  const auto joined = joined_bodies(image, bodies.labels, by_color.scores.size(), all, work);
-  for (Instance& body : rivals_of(by_color, joined, view)) all.push_back(std::move(body));
+  for (Instance& body : rivals_of(by_color, view)) all.push_back(std::move(body));
   NetworkOptions options;
   options.min_area = split.min_area >= 0 ? split.min_area : std::min(options.min_area, bodies.min_area);
   NetworkView::Found found = view.choose(all, options, work);
@@ -105,8 +103,8 @@ Proposal join_proposals(const Image& image, const ColorProposal& by_color, Netwo
     const auto view = network.view(i, work.quiet());
     std::vector<Instance> candidates = network.candidates(i, work.quiet());
     joined.add_chosen(by_color.distinct[i]
-                          ? choose_among_rivals(*view, std::move(candidates), by_color.bodies[i],
-                                                lab_section(image, i, work.quiet()), split, work.quiet())
+                          ? choose_among_rivals(*view, std::move(candidates), by_color.bodies[i], image,
+                                                split, work.quiet())
                           : view->choose(candidates, choice, work.quiet()));
   }
   return joined;

@@ -354,7 +354,7 @@ void add_measuring_parameters(NodeType& type) {
 
 NodeType segment_node() {
   NodeType type =
-      NodeType("Segment", 20)
+      NodeType("Segment", 21)
           .doc_(
               "Finds the particles of a section in its photograph and measures each profile: divides the "
               "image "

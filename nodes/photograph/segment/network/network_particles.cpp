@@ -29,7 +29,7 @@ std::size_t counterpart(int i, int from, int to) {
 
 }  // namespace
 
-double confidence_of_score(double score) { return 1 / (1 + std::exp(3.49 - 8.50 * score)); }
+double confidence_of_score(double score) { return 1 / (1 + std::exp(3.65 - 8.61 * score)); }
 
 NetworkView::NetworkView(const Image& image, int section, double reduction, const Network& network,
                          const Work& work)
