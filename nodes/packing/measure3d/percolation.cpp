@@ -9,9 +9,12 @@ namespace terrazzo::measure3d {
 namespace {
 
 // Voxels of the pieces, at their roots.
-std::vector<double> sizes_of(VoxelRuns& runs) {
+std::vector<double> sizes_of(VoxelRuns& runs, const Work& work) {
   std::vector<double> out(runs.runs.size(), 0);
-  for (std::size_t k = 0; k < out.size(); ++k) out[runs.root(k)] += runs.runs[k].end - runs.runs[k].begin;
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    if (k % 65536 == 0) work.check();
+    out[runs.root(k)] += runs.runs[k].end - runs.runs[k].begin;
+  }
   return out;
 }
 
@@ -25,10 +28,10 @@ std::size_t count_runs(const Classes& classes) {
 }  // namespace
 
 std::vector<Percolation> percolation_of(const Classes& classes, std::uint64_t memory, const Work& work) {
-  constexpr double kRunBytes = 64;  // of a run, its place among the pieces and its extent
+  constexpr double kRunBytes = 64;  // of a run, its place among the pieces and its size
   require_memory(kRunBytes * count_runs(classes), memory, "the connected pieces");
   VoxelRuns runs(classes.of.data(), classes.box, work);
-  const auto sizes = sizes_of(runs);
+  const auto sizes = sizes_of(runs, work);
   const auto reach = runs.reach(work);
   // Numbers of voxels, which have no order of summation.
   std::vector<Percolation> out(classes.count());

@@ -28,8 +28,8 @@ struct Solved {
   std::vector<float> potential, flow;
 };
 
-// Bytes for this many voxels.
-double conduction_bytes(double voxels);
+// Bytes for a volume of this size.
+double conduction_bytes(const Vec3i& size);
 
 // The conductivity tensor of a map whose phases conduct `values`, ≥ 0 and not all zero, along the chosen
 // axes. With cell-centered finite volumes and harmonic means at faces. Fixed: the half voxel between the

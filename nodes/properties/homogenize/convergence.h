@@ -13,7 +13,7 @@ struct Accuracy {
 
 struct Convergence {
   int iterations = 0;
-  double residual = 0;  // relative to that of the start from zero
+  double residual = 0;  // relative to that of the start, or the error that is too large
 };
 
 // Shows the residual, with the progress that its logarithm has made toward the tolerance.

@@ -18,6 +18,7 @@ namespace {
 using Complex = std::complex<float>;
 
 constexpr double kRounding = 3e-7;  // of forces, where the largest modulus and strain are 1
+constexpr double kDrift = 10;       // of the residual that is updated in single precision
 
 PerLoad dot(const Displacements& a, const Displacements& b, const Work& work) {
   PerLoad sum{};
@@ -95,24 +96,30 @@ class Reference {
   std::vector<double> difference_[3], mean_[3], slope_[3];
 };
 
+// The residual of two loads, whose forces for a uniform strain have the squares `whole`; 0: of rounding
+// errors only.
+double residual_of(const Displacements& force, const PerLoad& whole, const Work& work) {
+  const PerLoad square = dot(force, force, work);
+  double out = 0;
+  for (int l = 0; l < 2; ++l)
+    if (whole[l] > 0) out = std::max(out, std::sqrt(square[l] / whole[l]));
+  return out;
+}
+
+// Finds u, and sets `whole`.
 Convergence relax(const Elements& elements, const Reference& reference, const Strains& mean, Displacements& u,
-                  const Accuracy& accuracy, const Work& work) {
+                  PerLoad& whole, const Accuracy& accuracy, const Work& work) {
   const std::size_t n = u[0].size();
   Displacements r = zero_displacements(n), p = zero_displacements(n), q = zero_displacements(n), z;
   elements.apply(u, &mean, r, work);
-  for (auto& c : r)
-    for (Complex& v : c) v = -v;
-  PerLoad whole = dot(r, r, work);
-  // Forces of rounding errors only: the mean strain itself is the solution.
+  for (auto& c : r) each(n, work, [&](std::size_t i) { c[i] = -c[i]; });
+  whole = dot(r, r, work);
   for (double& w : whole)
     if (w < kRounding * kRounding * 3 * n) w = 0;
   PerLoad before{};
   Convergence out;
   for (;; ++out.iterations) {
-    const PerLoad rr = dot(r, r, work);
-    out.residual = 0;
-    for (int l = 0; l < 2; ++l)
-      if (whole[l] > 0) out.residual = std::max(out.residual, std::sqrt(rr[l] / whole[l]));
+    out.residual = residual_of(r, whole, work);
     report(out, accuracy.tolerance, work);
     if (out.residual <= accuracy.tolerance) return out;
     if (out.iterations == accuracy.iterations || !std::isfinite(out.residual))
@@ -153,7 +160,7 @@ void require_cubes(const VoxelBox& box) {
 
 }  // namespace
 
-double elasticity_bytes(double voxels) { return voxels * (5 * 24 + 4); }
+double elasticity_bytes(double voxels) { return voxels * (6 * 24 + 4 + 2.0); }
 
 SolvedStiffness stiffness(const PhaseMap& map, const std::vector<Elastic>& values, const Accuracy& accuracy,
                           std::uint64_t memory, const Work& work) {
@@ -161,23 +168,31 @@ SolvedStiffness stiffness(const PhaseMap& map, const std::vector<Elastic>& value
   const std::size_t n = map.phase.size();
   require_memory(elasticity_bytes(n), memory, "the stiffness of the volume");
   double largest = 0, lambda = 0, mu = 0;
-  for (const Elastic& v : values) largest = std::max(largest, v.young);
+  for (std::size_t i = 0; i < map.count(); ++i)  // of the phases that occur
+    if (map.fraction[i] > 0) largest = std::max(largest, values[i].young);
   for (std::size_t i = 0; i < map.count(); ++i) {
-    lambda += map.fraction[i] * values[i].lambda() / largest;
-    mu += map.fraction[i] * values[i].mu() / largest;
+    lambda += map.fraction[i] * values[i].lambda();
+    mu += map.fraction[i] * values[i].mu();
   }
-  const Elements elements(map, values, largest);
-  const Reference reference(map.box.size, lambda, mu);
   SolvedStiffness out;
+  out.stress.assign(n, 0);
+  if (!(largest > 0)) return out;  // only pores occur
+  const Elements elements(map, values, largest);
+  const Reference reference(map.box.size, lambda / largest, mu / largest);
   for (int pair = 0; pair < 3; ++pair) {
     Strains mean{};
     for (int l = 0; l < 2; ++l) mean[l][2 * pair + l] = 1;
-    Displacements u = zero_displacements(n), force = zero_displacements(n);
-    const Convergence c =
-        relax(elements, reference, mean, u, accuracy, work.part(pair / 3.0, (pair + 1) / 3.0));
+    PerLoad whole{};
+    Displacements u = zero_displacements(n);
+    Convergence c =
+        relax(elements, reference, mean, u, whole, accuracy, work.part(pair / 3.0, (pair + 1) / 3.0));
+    Displacements force = zero_displacements(n);
+    const Strains stress = elements.apply(u, &mean, force, work, pair == 0 ? &out.stress : nullptr);
+    // The residual of the iteration was updated in single precision, and may differ from that of the forces.
+    c.residual = residual_of(force, whole, work);
+    if (c.residual > kDrift * accuracy.tolerance) throw stalled(c, accuracy.tolerance);
     out.iterations = std::max(out.iterations, c.iterations);
     out.residual = std::max(out.residual, c.residual);
-    const Strains stress = elements.apply(u, &mean, force, work, pair == 0 ? &out.stress : nullptr);
     for (int l = 0; l < 2; ++l)
       for (int i = 0; i < 6; ++i) out.effective(i, 2 * pair + l) = stress[l][i] * largest;
   }

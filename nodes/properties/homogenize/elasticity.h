@@ -22,10 +22,11 @@ using Stiffness =
 struct SolvedStiffness {
   Stiffness effective = Stiffness::Zero();
   int iterations = 0;         // most of any load
-  double residual = 0;        // largest of any load
+  double residual = 0;        // largest of any load, of the final forces
   std::vector<float> stress;  // von Mises stress at the centers of voxels, for a mean strain xx of 1
 };
 
+// Bytes for this many voxels.
 double elasticity_bytes(double voxels);
 
 // The stiffness of a map of cubic voxels whose phases have `values`. Each voxel is a trilinear finite

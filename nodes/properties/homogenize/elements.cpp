@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/data/indices.h"
+#include "nodes/properties/homogenize/vectors.h"
 
 namespace terrazzo::homogenize {
 namespace {
@@ -187,7 +188,7 @@ void Elements::add_stresses(const Rows& rows, Strains& sums, float* mises) const
 
 Strains Elements::apply(const Displacements& u, const Strains* mean, Displacements& force, const Work& work,
                         std::vector<float>* mises) const {
-  for (auto& c : force) std::fill(c.begin(), c.end(), 0);
+  for (auto& c : force) each(c.size(), work, [&](std::size_t i) { c[i] = 0; });
   if (mises) mises->assign(phase_.size(), 0);
   const std::size_t slabs = (size_.z() + kLayers - 1) / kLayers;
   std::vector<Strains> sums(slabs);
@@ -196,7 +197,8 @@ Strains Elements::apply(const Displacements& u, const Strains* mean, Displacemen
     if (mean)
       for (int k = 0; k < 6; ++k)
         for (int i = 0; i < rows.floats; ++i) rows.strain[k][i] = static_cast<float>((*mean)[i & 1][k]);
-    for (int z = slab * kLayers; z < std::min<int>(size_.z(), (slab + 1) * kLayers); ++z)
+    for (int z = slab * kLayers; z < std::min<int>(size_.z(), (slab + 1) * kLayers); ++z) {
+      work.check();
       for (int y = 0; y < size_.y(); ++y) {
         gather(u, y, z, rows);
         load_moduli(y, z, rows);
@@ -204,6 +206,7 @@ Strains Elements::apply(const Displacements& u, const Strains* mean, Displacemen
         if (mean) add_stresses(rows, sums[slab], mises ? mises->data() + voxel_at(0, y, z, size_) : nullptr);
         scatter(rows, y, z, force);
       }
+    }
   };
   // Neighboring slabs add to the layer of nodes between them, so they take turns: even ones, odd ones, and
   // the last of an odd number, whose next one is the first.

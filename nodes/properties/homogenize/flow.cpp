@@ -18,6 +18,11 @@ template <class T>
 using Fields = std::array<std::vector<T>, 4>;
 constexpr int kPressure = 3;
 
+// Of the solution that only serves as a preconditioner. The equations of −Δ with walls converge in some ten
+// steps.
+constexpr double kRough = 0.01;
+constexpr int kManyTimes = 100'000;
+
 template <class T>
 Fields<T> zero_fields(std::size_t n) {
   Fields<T> out;
@@ -135,11 +140,12 @@ class Stokes {
   // The velocity along an axis, in the pores, of a fluid that may have sources: a local permeability.
   std::vector<float> free_velocity(int axis, const Work& work) const {
     std::vector<double> b(count()), x;
-    for (std::size_t i = 0; i < b.size(); ++i) b[i] = active_[axis][i];
-    solve(*velocity_[axis], b, 0, x, {0.01, 200}, work.quiet());
+    each(count(), work, [&](std::size_t i) { b[i] = active_[axis][i]; });
+    solve(*velocity_[axis], b, 0, x, {kRough, kManyTimes}, work.quiet());
     std::vector<float> out(count());
-    for (std::size_t i = 0; i < out.size(); ++i)
+    each(count(), work, [&](std::size_t i) {
       out[i] = active_[axis][i] ? static_cast<float>(std::max(0.0, x[i]) * scale_[axis] * scale_[axis]) : 0;
+    });
     return out;
   }
 
@@ -163,7 +169,7 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
   double s_before = 0, s = 0, c_before = 1, c = 1;
   Convergence out;
   for (;; ++out.iterations) {
-    out.residual = whole > 0 ? std::abs(eta) / whole : 0;
+    out.residual = whole != 0 ? std::abs(eta / whole) : 0;
     report(out, accuracy.tolerance, work);
     if (out.residual <= accuracy.tolerance) return out;
     if (out.iterations == accuracy.iterations || !std::isfinite(out.residual))
@@ -175,7 +181,8 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
     for (int k = 0; k < 4; ++k)
       each(n, work, [&](std::size_t i) { next[k][i] -= back * v[k][i] + further * before[k][i]; });
     system.precondition(next, fresh, work);
-    const double gamma_next = std::sqrt(std::max(0.0, dot(next, fresh, work)));
+    // NaN if rounding makes the square negative, which then is an error.
+    const double gamma_next = std::sqrt(dot(next, fresh, work));
     const double a0 = c * delta - c_before * s * gamma, a1 = std::hypot(a0, gamma_next);
     const double a2 = s * delta + c_before * c * gamma, a3 = s_before * gamma;
     c_before = c;
@@ -200,10 +207,10 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
 }
 
 // Speed at the centers of voxels.
-std::vector<float> speed_of(const Fields<float>& x, const Vec3i& n) {
+std::vector<float> speed_of(const Fields<float>& x, const Vec3i& n, const Work& work) {
   std::vector<float> out(voxels_in(n));
   const std::size_t step[3] = {1, static_cast<std::size_t>(n.x()), pixels_in(n.x(), n.y())};
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  each(out.size(), work, [&](std::size_t i) {
     double sum = 0;
     for (int a = 0; a < 3; ++a) {
       const bool first = i / step[a] % n[a] == 0;
@@ -211,7 +218,7 @@ std::vector<float> speed_of(const Fields<float>& x, const Vec3i& n) {
       sum += std::pow(0.5 * (static_cast<double>(x[a][i]) + x[a][behind]), 2);
     }
     out[i] = static_cast<float>(std::sqrt(sum));
-  }
+  });
   return out;
 }
 
@@ -222,14 +229,21 @@ struct Mirrored {
   std::vector<std::uint8_t> open;
 };
 
-Mirrored mirrored(const VoxelBox& box, const std::vector<std::uint8_t>& open, int axis) {
+Vec3i mirrored_size(const Vec3i& size, int axis) {
+  Vec3i out = size + Vec3i::Ones();
+  out[axis] = 2 * size[axis];
+  return out;
+}
+
+Mirrored mirrored(const VoxelBox& box, const std::vector<std::uint8_t>& open, int axis, const Work& work) {
   Mirrored out;
   out.box = box;
   out.box.periodic = true;
-  for (int a = 0; a < 3; ++a) out.box.size[a] += a == axis ? box.size[a] : 1;
+  out.box.size = mirrored_size(box.size, axis);
   const Vec3i& n = out.box.size;
   out.open.assign(voxels_in(n), 0);
-  for (int z = 0; z < n.z(); ++z)
+  for (int z = 0; z < n.z(); ++z) {
+    work.check();
     for (int y = 0; y < n.y(); ++y)
       for (int x = 0; x < n.x(); ++x) {
         Vec3i at(x, y, z);
@@ -237,6 +251,7 @@ Mirrored mirrored(const VoxelBox& box, const std::vector<std::uint8_t>& open, in
         if ((at.array() < box.size.array()).all())
           out.open[voxel_at(x, y, z, n)] = open[voxel_at(at.x(), at.y(), at.z(), box.size)];
       }
+  }
   return out;
 }
 
@@ -253,7 +268,7 @@ std::vector<T> cropped(const std::vector<T>& values, const Vec3i& from, const Ve
 void solve_axis(const Stokes& system, const VoxelBox& box, const Vec3i& size, int axis,
                 const Accuracy& accuracy, Solved& out, const Work& work) {
   Fields<double> b = zero_fields<double>(system.count());
-  for (std::size_t i = 0; i < system.count(); ++i) b[axis][i] = system.active(axis)[i];
+  each(system.count(), work, [&](std::size_t i) { b[axis][i] = system.active(axis)[i]; });
   Fields<float> x = zero_fields<float>(system.count());
   const Convergence c = minres(system, b, x, accuracy, work);
   out.iterations = std::max(out.iterations, c.iterations);
@@ -262,12 +277,10 @@ void solve_axis(const Stokes& system, const VoxelBox& box, const Vec3i& size, in
   const double counted = static_cast<double>(voxels_in(size)) * box.size[axis] / size[axis];
   for (int a = 0; a < 3; ++a) {
     if (box.size != size && a != axis) continue;
-    double sum = 0;
-    for (const float v : x[a]) sum += v;
-    out.effective(a, axis) = unit * sum / counted;
+    out.effective(a, axis) = unit * sum_of(x[a], work) / counted;
   }
   if (!out.potential.empty()) return;
-  out.flow = cropped(speed_of(x, box.size), box.size, size);
+  out.flow = cropped(speed_of(x, box.size, work), box.size, size);
   out.potential = cropped(x[kPressure], box.size, size);
   for (float& v : out.flow) v *= static_cast<float>(unit);
   for (float& v : out.potential) v *= static_cast<float>(box.spacing.minCoeff());
@@ -275,15 +288,23 @@ void solve_axis(const Stokes& system, const VoxelBox& box, const Vec3i& size, in
 
 }  // namespace
 
-double flow_bytes(double voxels) { return voxels * (4 * (4 * 8 + 5 * 4) + 8) + 4 * Multigrid::bytes(voxels); }
+double flow_bytes(const Vec3i& size) {
+  // Three fields of doubles and five of floats; the operators; masks, potential and flow.
+  return voxels_in(size) * (4 * (4 * 8 + 5 * 4) + 8 + 16.0) +
+         4 * (Multigrid::bytes(size) + 4.0 * voxels_in(size));
+}
 
 Solved permeate(const PhaseMap& map, const std::vector<char>& open, Boundary boundary,
                 const std::array<bool, 3>& directions, const Accuracy& accuracy, std::uint64_t memory,
                 const Work& work) {
-  require_memory((boundary == Boundary::Fixed ? 2 : 1) * flow_bytes(map.phase.size()), memory,
-                 "the flow through the volume");
+  double bytes = 0;
+  for (int a = 0; a < 3; ++a)
+    if (directions[a])
+      bytes = std::max(
+          bytes, flow_bytes(boundary == Boundary::Fixed ? mirrored_size(map.box.size, a) : map.box.size));
+  require_memory(bytes, memory, "the flow through the volume");
   std::vector<std::uint8_t> pores(map.phase.size());
-  for (std::size_t i = 0; i < pores.size(); ++i) pores[i] = open[map.phase[i]];
+  each(pores.size(), work, [&](std::size_t i) { pores[i] = open[map.phase[i]]; });
   VoxelBox box = map.box;
   box.periodic = boundary == Boundary::Periodic;
   Solved out;
@@ -306,7 +327,7 @@ Solved permeate(const PhaseMap& map, const std::vector<char>& open, Boundary bou
         out.connected = connected.along;
         shared = std::make_unique<Stokes>(box, std::move(connected.voxels), work.quiet());
       } else if (out.connected[a]) {
-        const Mirrored m = mirrored(box, connected.voxels, a);
+        const Mirrored m = mirrored(box, connected.voxels, a, part);
         solve_axis(Stokes(m.box, m.open, work.quiet()), m.box, box.size, a, accuracy, out, part);
       }
     }

@@ -9,7 +9,8 @@
 
 namespace terrazzo::homogenize {
 
-double flow_bytes(double voxels);
+// Bytes for the flow through a periodic box of this size; fixed pressures need a box of twice the size.
+double flow_bytes(const Vec3i& size);
 
 // The permeability tensor in mm² of the phases with open[phase], along the chosen axes: the mean velocity for
 // a mean pressure gradient of 1 and a viscosity of 1. Velocities lie on the faces of voxels (Harlow and Welch

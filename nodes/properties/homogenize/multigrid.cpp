@@ -11,8 +11,9 @@ namespace {
 
 constexpr int kFewest = 4;  // cells along each axis of the coarsest level
 constexpr int kCoarsestSweeps = 16;
-constexpr int kSweeps = 2;  // before and after each correction
-constexpr int kVisits = 2;  // of the coarser level: a W-cycle
+constexpr int kSweeps = 2;              // before and after each correction
+constexpr double kLeastEnergy = 1e-12;  // of one step to the next, so that rounding leaves some
+constexpr int kVisits = 2;              // of the coarser level: a W-cycle
 // Merged cells conduct twice as well as they should, since the potential in each is constant. The correction
 // is enlarged accordingly, by a little less than two (Braess 1995).
 constexpr float kEnlarged = 1.9F;
@@ -56,6 +57,14 @@ inline void along_row(int n, int first, int step, Visit&& visit) {
 
 }  // namespace
 
+double Multigrid::bytes(const Vec3i& size) {
+  double cells = 0;
+  for (Vec3i n = size;; n = (n.array() + 1) / 2) {
+    cells += voxels_in(n);
+    if (n.maxCoeff() <= kFewest) return 28 * cells;
+  }
+}
+
 Multigrid::Multigrid(Conductances fine, const Work& work) {
   Level first;
   first.size = fine.size;
@@ -73,7 +82,9 @@ Multigrid::Multigrid(Conductances fine, const Work& work) {
 void Multigrid::set_inverse(Level& l, const Work& work) {
   l.inverse.resize(voxels_in(l.size));
   work.parallel(l.size.z(), grain_of(l.size), [&](std::size_t begin, std::size_t end) {
-    const std::vector<float> ones(voxels_in(l.size), 1);
+    const struct {
+      float operator[](std::size_t) const { return 1; }
+    } ones;
     for (int z = begin; z < static_cast<int>(end); ++z)
       for (int y = 0; y < l.size.y(); ++y) {
         const Row row(l.size, y, z);
@@ -189,10 +200,12 @@ void Multigrid::cycle(std::size_t level, const Work& work) {
 
 void Multigrid::precondition(const std::vector<double>& r, std::vector<float>& z, const Work& work) {
   Level& l = levels_[0];
-  std::copy(r.begin(), r.end(), l.b.begin());
-  std::fill(l.x.begin(), l.x.end(), 0);
+  each(r.size(), work, [&](std::size_t i) {
+    l.b[i] = static_cast<float>(r[i]);
+    l.x[i] = 0;
+  });
   cycle(0, work.quiet());
-  z = l.x;
+  each(r.size(), work, [&](std::size_t i) { z[i] = l.x[i]; });
 }
 
 template <class T>
@@ -237,7 +250,8 @@ Convergence solve(Multigrid& system, const std::vector<double>& b, double energy
     system.precondition(r, z, work);
     const double rz = dot(r, z, work);  // about the square of the error, in the norm of the energy
     if (out.residual <= accuracy.tolerance && (!checks || rz <= accuracy.tolerance * energy)) return out;
-    if (out.iterations == accuracy.iterations) throw stalled(out, accuracy.tolerance);
+    if (out.iterations == accuracy.iterations || !std::isfinite(rz))
+      throw stalled({out.iterations, std::max(out.residual, checks ? rz / energy : 0)}, accuracy.tolerance);
     const double beta = before > 0 ? rz / before : 0;
     before = rz;
     each(n, work, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
@@ -248,7 +262,7 @@ Convergence solve(Multigrid& system, const std::vector<double>& b, double energy
       x[i] += alpha * p[i];
       r[i] -= alpha * q[i];
     });
-    energy -= alpha * rz;
+    energy = std::max(energy - alpha * rz, kLeastEnergy * energy);
   }
 }
 

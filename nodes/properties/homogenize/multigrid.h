@@ -29,11 +29,11 @@ class Multigrid {
   // y = A x, in double precision. T: float or double.
   template <class T>
   void apply(const std::vector<T>& x, std::vector<double>& y, const Work&) const;
-  // z ≈ A⁻¹ r.
+  // z ≈ A⁻¹ r, of equal size.
   void precondition(const std::vector<double>& r, std::vector<float>& z, const Work&);
 
-  // Bytes for a grid of `cells` cells.
-  static double bytes(double cells) { return cells * 32; }
+  // Bytes for a grid of this size, of 28 for each cell, and for coarser ones.
+  static double bytes(const Vec3i& size);
 
  private:
   struct Level {

@@ -17,6 +17,7 @@ namespace {
 enum class Property { Conductivity, Stiffness, Permeability };
 enum class Around { Automatic, Periodic, Fixed };
 
+constexpr double kLargestContrast = 1e12;
 constexpr int kLeastHalf = 4;  // voxels along an edge at half the resolution
 const std::vector<std::string> kAxes = {"x", "y", "z"};
 const std::vector<std::string> kVoigt = {"xx", "yy", "zz", "yz", "xz", "xy"};
@@ -34,7 +35,7 @@ std::array<bool, 3> directions_of(const NodeParameters& p) {
   for (const std::string& word : p.texts("directions")) {
     const auto at = std::find(kAxes.begin(), kAxes.end(), word);
     if (at == kAxes.end())
-      throw Error("bad-value", fmt::format("'{}' is no direction", word), "use x, y, z")
+      throw Error("bad-value", fmt::format("'{}' is not a direction", word), "use x, y, z")
           .parameter("directions");
     out[at - kAxes.begin()] = true;
   }
@@ -54,7 +55,7 @@ Error bad_values(const std::string& what, const std::string& hint) {
 
 void check_elastic(const NodeParameters& p) {
   if (p.numbers("values").size() % 2 == 1)
-    throw bad_values(fmt::format("{} numbers are no pairs", p.numbers("values").size()),
+    throw bad_values(fmt::format("{} numbers are not pairs", p.numbers("values").size()),
                      "give Young's modulus and Poisson's ratio of each phase");
   for (const Elastic& v : elastic_values(p)) {
     if (!(v.young >= 0))
@@ -84,9 +85,16 @@ void check(const NodeParameters& p) {
                          "for permeability use 1 for phases in which the fluid flows, and 0 for solid ones");
     }
   const std::size_t step = property == Property::Stiffness ? 2 : 1;
-  bool some = false;
-  for (std::size_t i = 0; i < values.size(); i += step) some |= values[i] > 0;
-  if (!some) throw bad_values("every phase has the value 0", "give at least one phase a value above 0");
+  double least = INFINITY, most = 0;
+  for (std::size_t i = 0; i < values.size(); i += step) {
+    most = std::max(most, values[i]);
+    if (values[i] > 0) least = std::min(least, values[i]);
+  }
+  if (most > kLargestContrast * least)
+    throw bad_values(fmt::format("the values {} and {} differ by more than a factor of {:.0e}", least, most,
+                                 kLargestContrast),
+                     "use 0 instead of the smaller one");
+  if (!(most > 0)) throw bad_values("every phase has the value 0", "give at least one phase a value above 0");
 }
 
 void check_count(const PhaseMap& map, std::size_t count) {
@@ -129,16 +137,34 @@ Result solve_for(const Context& c, const PhaseMap& map, const Work& work) {
   return out;
 }
 
-// How much the result differs from that at half the resolution, relative to its largest value. With an error
-// that is proportional to the voxel's edge, this is the error (Richardson 1911).
-std::optional<double> voxel_error(const Context& c, const PhaseMap& map, const Result& whole,
-                                  const Work& work) {
+// Half the resolution, if edges have enough voxels. Stiffness needs cubes, but a single layer may have any
+// thickness.
+std::optional<PhaseMap> coarse_map(const PhaseMap& map, bool cubes, const Work& work) {
   for (int a = 0; a < 3; ++a)
     if (map.box.size[a] > 1 && map.box.size[a] < 2 * kLeastHalf) return {};
+  if (map.box.count() == 1) return {};
+  PhaseMap half = halved(map, work);
+  Vec3& edge = half.box.spacing;
+  for (int a = 0; cubes && a < 3; ++a)
+    if (half.box.size[a] == 1) edge[a] = edge.maxCoeff();
+  if (cubes && edge.maxCoeff() > 1.0001 * edge.minCoeff()) return {};
+  return half;
+}
+
+// How much the result differs from that at half the resolution, relative to its largest value. If the error
+// is proportional to the voxel's edge, this is the error (Richardson 1911).
+std::optional<double> voxel_error(Context& c, const PhaseMap& map, const Result& whole, const Work& work) {
   const double largest = whole.effective.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return {};
-  const Result half = solve_for(c, halved(map, work.quiet()), work);
-  return (whole.effective - half.effective).cwiseAbs().maxCoeff() / largest;
+  const auto half = coarse_map(map, c.choice<Property>("property") == Property::Stiffness, work.quiet());
+  if (!half) return {};
+  try {
+    return (whole.effective - solve_for(c, *half, work).effective).cwiseAbs().maxCoeff() / largest;
+  } catch (const Error& e) {
+    if (e.diagnostic().code != "no-convergence") throw;
+    c.warn("there is no voxel_error, because at half the resolution " + e.diagnostic().message);
+    return {};
+  }
 }
 
 void add_scalar_measures(const Context& c, const PhaseMap& map, const Result& r, std::vector<Measure>& out) {
@@ -160,9 +186,10 @@ void add_scalar_measures(const Context& c, const PhaseMap& map, const Result& r,
     if (directions[a] && r.connected[a])
       out.push_back(
           {"tortuosity " + kAxes[a], "tortuosity_" + kAxes[a], wiener.high / r.effective(a, a), ""});
-  const Bounds isotropic = hashin_shtrikman(map.fraction, c.numbers("values"));
   out.push_back({"lower bound", "", wiener.low, ""});
   out.push_back({"upper bound", "", wiener.high, ""});
+  if (map.box.size.minCoeff() == 1) return;  // what is isotropic in a plane has other bounds
+  const Bounds isotropic = hashin_shtrikman(map.fraction, c.numbers("values"));
   out.push_back({"lower bound if isotropic", "", isotropic.low, ""});
   out.push_back({"upper bound if isotropic", "", isotropic.high, ""});
 }
@@ -207,7 +234,7 @@ Shown shown_of(const Context& c, const PhaseMap& map, const Result& r) {
     out.values.push_back(r.effective(a, a));
     if (first.empty() && r.connected[a]) first = kAxes[a];
   }
-  if (!flow) {
+  if (!flow && map.box.size.minCoeff() > 1) {
     out.bounds = hashin_shtrikman(map.fraction, c.numbers("values"));
     out.bounds_name = "bound if isotropic";
   }
@@ -219,8 +246,9 @@ Volume field_of(const Context& c, const PhaseMap& map, const Result& r) {
   Volume out;
   const auto property = c.choice<Property>("property");
   const auto add = [&](const char* name, const std::vector<float>& values) {
-    add_number_grid(out, name, map.box.size, map.box.spacing, c.work().quiet(),
-                    [&](std::size_t i) { return values.empty() ? 0 : values[i]; });
+    add_number_grid(
+        out, name, map.box.size, map.box.spacing, c.work().quiet(),
+        [&](std::size_t i) { return values.empty() ? 0 : values[i]; }, map.box.first);
   };
   if (property == Property::Stiffness) {
     add("stress", r.flow);
@@ -228,10 +256,12 @@ Volume field_of(const Context& c, const PhaseMap& map, const Result& r) {
     add(property == Property::Permeability ? "speed" : "flow", r.flow);
     add(property == Property::Permeability ? "pressure" : "potential", r.potential);
   }
-  if (map.box.periodic)
+  if (map.box.periodic) {
     out.resolution = map.box.size;
-  else
+  } else {
+    out.first = map.box.first;
     out.extent = map.box.size;
+  }
   return out;
 }
 
@@ -242,9 +272,21 @@ void warn_of_gaps(Context& c, const Result& r) {
     if (directions[a] && !r.connected[a]) missing += (missing.empty() ? "" : ", ") + kAxes[a];
   if (missing.empty()) return;
   c.warn(fmt::format(
-      "the phases with a value above 0 do not connect along {}: nothing flows there, the effective value is "
-      "exactly 0 and the tortuosity is infinite",
-      missing));
+      "the phases with a value above 0 do not connect along {}: nothing flows there, and the effective value "
+      "is "
+      "exactly 0{}",
+      missing,
+      c.choice<Property>("property") == Property::Conductivity ? ", with an infinite tortuosity" : ""));
+}
+
+// The tensor without what was not computed.
+Eigen::MatrixXd known(const Context& c, const PhaseMap& map, Eigen::MatrixXd tensor) {
+  if (tensor.rows() != 3) return tensor;
+  const auto directions = directions_of(c);
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (!directions[j] || (i != j && !periodic(c, map))) tensor(i, j) = NAN;
+  return tensor;
 }
 
 void compute(Context& c) {
@@ -256,6 +298,8 @@ void compute(Context& c) {
   check_count(map, count);
   Result r = solve_for(c, map, c.work().part(0.02, 0.88));
   if (!elastic) warn_of_gaps(c, r);
+  if (elastic && !map.box.periodic)
+    c.warn("the volume does not tile, but stiffness is found as if it did: its opposite sides touch");
   const auto error = voxel_error(c, map, r, c.work().part(0.88, 1));
   std::vector<Measure> measures;
   if (elastic)
@@ -270,7 +314,7 @@ void compute(Context& c) {
   for (const Measure& m : measures)
     if (!m.metric.empty()) c.metric(m.metric, m.value);
   c.output("table", table_of(measures));
-  c.output("tensor", tensor_table(r.effective, elastic ? kVoigt : kAxes));
+  c.output("tensor", tensor_table(known(c, map, r.effective), elastic ? kVoigt : kAxes));
   c.output("field", field_of(c, map, r));
   c.output("figure", figure_of(shown_of(c, map, r), map.box));
 }
@@ -284,9 +328,9 @@ NodeType homogenize_node() {
   using namespace homogenize;
   return NodeType("Homogenize", 1)
       .doc_(
-          "Finds what a volume conducts, how stiff it is, or what flows through it, from the values of its "
-          "phases: the "
-          "whole effective tensor, tortuosity, bounds, and the error of the voxels.")
+          "Finds how well a volume conducts, how stiff it is, or how easily a fluid flows through it, from "
+          "the values of its phases: the whole effective tensor, tortuosity, bounds, and the error of the "
+          "voxels.")
       .source_(
           "Hashin and Shtrikman 1962, 1963 (bounds); Cooper et al. 2016 (tortuosity); Leute et al. 2022 "
           "(stiffness); "
@@ -299,7 +343,8 @@ NodeType homogenize_node() {
       .output("tensor", "Table",
               "The effective tensor: 3 × 3 for x, y, z, or 6 × 6 for the stresses and engineering strains "
               "xx, yy, zz, yz, "
-              "xz, xy. Column j is the response to a slope or strain j.")
+              "xz, xy. Column j is the response to a slope or strain j; entries that were not computed are "
+              "empty.")
       .output("field", "Volume",
               "Conductivity: flow, and potential less its mean slope; permeability: speed and pressure; for "
               "a slope of 1 "
@@ -315,11 +360,11 @@ NodeType homogenize_node() {
               .range(-1e12, 1e12)
               .count(1, 2 * kMostPhases)
               .required()
-              .doc_(
-                  "Value of each phase, in increasing order of the phases' numbers, or binder first. "
-                  "stiffness: "
-                  "Young's modulus and Poisson's ratio of each phase, 0 for pores. permeability: 1 where the "
-                  "fluid flows, 0 where not."))
+              .doc_("Value of each phase, in increasing order of the phases' numbers, or binder first. "
+                    "stiffness: "
+                    "Young's modulus and Poisson's ratio of each phase, 0 and any ratio for pores. "
+                    "permeability: 1 where the "
+                    "fluid flows, 0 where not."))
       .parameter(Parameter::text("grid", "")
                      .doc_("Grid that contains the phases. Empty: phase, else id, else density, else the "
                            "only one. Each "

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <optional>
+#include <set>
 
 #include "graph/diagnostic.h"
 #include "runtime/memory.h"
@@ -13,7 +14,7 @@
 namespace terrazzo::homogenize {
 namespace {
 
-std::string chosen_grid(const Volume& volume, const std::string& name) {
+std::string chosen_grid(const Volume& volume, const std::string& name, bool of_particles) {
   const auto all = grid_names(volume);
   const auto has = [&](const std::string& n) { return std::find(all.begin(), all.end(), n) != all.end(); };
   if (!name.empty()) {
@@ -23,6 +24,7 @@ std::string chosen_grid(const Volume& volume, const std::string& name) {
                 "choose one of them")
         .parameter("grid");
   }
+  if (of_particles && has("id")) return "id";
   for (const char* usual : {"phase", "id", "density"})
     if (has(usual)) return usual;
   if (all.size() == 1) return all[0];
@@ -33,65 +35,79 @@ std::string chosen_grid(const Volume& volume, const std::string& name) {
       .parameter("grid");
 }
 
-// The values of planes z0 … z1 − 1 as numbers.
-void read_planes(const VoxelSource& source, int z0, int z1, std::vector<std::int32_t>& whole,
-                 std::vector<float>& real) {
-  if (!source.whole() && !source.yes_no()) return source.read(z0, z1, real.data());
-  source.read(z0, z1, whole.data());
-  std::copy(whole.begin(), whole.end(), real.begin());
-}
-
-// Calls visit(first voxel, values) for ranges of planes, on all threads.
+// Calls visit(first voxel, values) for each plane, on all threads.
 template <class Visit>
-void each_range(const VoxelSource& source, const VoxelBox& box, const Work& work, Visit&& visit) {
-  work.parallel(box.size.z(), 4, [&](std::size_t begin, std::size_t end) {
-    const std::size_t count = (end - begin) * box.plane();
-    std::vector<std::int32_t> whole(source.whole() || source.yes_no() ? count : 0);
-    std::vector<float> values(count);
-    read_planes(source, begin, end, whole, values);
-    visit(begin * box.plane(), values);
+void each_plane(const VoxelSource& source, const VoxelBox& box, const Work& work, Visit&& visit) {
+  const bool whole = source.whole() || source.yes_no();
+  work.parallel(box.size.z(), 1, [&](std::size_t z, std::size_t) {
+    std::vector<std::int32_t> numbers(whole ? box.plane() : 0);
+    std::vector<double> values(box.plane());
+    if (whole) {
+      source.read(z, z + 1, numbers.data());
+      std::copy(numbers.begin(), numbers.end(), values.begin());
+    } else {
+      std::vector<float> real(box.plane());
+      source.read(z, z + 1, real.data());
+      std::copy(real.begin(), real.end(), values.begin());
+    }
+    visit(z, values);
   });
 }
 
-// What the numbers of a grid mean.
-struct Legend {
-  std::vector<std::string> names;
-  std::map<float, std::uint8_t> of_number;  // if the phases are numbers
-  std::vector<std::uint8_t> of_particle;    // if they are classes of particles
-  bool inside_outside = false;              // if the grid is a level set or a coverage
-  bool level_set = false;
+enum class Meaning {
+  Phases,     // each number is a phase
+  Particles,  // indices of particles, whose classes are the phases
+  Labels,     // negative numbers are the binder, the others particles
+  Coverage,   // inside from one half on
+  LevelSet,   // inside where negative
 };
 
-std::string too_many() { return fmt::format("more than {} different numbers", kMostPhases); }
+struct Legend {
+  Meaning meaning = Meaning::Phases;
+  std::vector<std::string> names;
+  std::map<double, std::uint8_t> of_number;
+  std::vector<std::uint8_t> of_particle;
+};
 
-// The numbers that occur, at most kMostPhases + 1 of them.
-std::map<float, std::uint8_t> numbers_of(const VoxelSource& source, const VoxelBox& box, const Work& work) {
-  std::map<float, std::uint8_t> all;
-  std::vector<std::vector<float>> found((box.size.z() + 3) / 4);
-  each_range(source, box, work, [&](std::size_t first, const std::vector<float>& values) {
-    std::vector<float>& mine = found[first / box.plane() / 4];
-    float last = std::numeric_limits<float>::quiet_NaN();
-    for (const float v : values) {
-      if (v == last) continue;
-      last = v;
-      const auto at = std::lower_bound(mine.begin(), mine.end(), v);
-      if (at != mine.end() && *at == v) continue;
-      if (mine.size() <= kMostPhases) mine.insert(at, v);
-    }
+// What occurs in a grid.
+struct Numbers {
+  double least = INFINITY, most = -INFINITY;
+  std::optional<double> fraction;  // one that is not whole
+  std::set<double> some;           // all, or kMostPhases + 1 of them
+
+  void add(double v) {
+    least = std::min(least, v);
+    most = std::max(most, v);
+    if (!fraction && v != std::round(v)) fraction = v;
+    if (some.size() <= kMostPhases) some.insert(v);
+  }
+};
+
+Numbers numbers_of(const VoxelSource& source, const VoxelBox& box, const Work& work) {
+  std::vector<Numbers> planes(box.size.z());
+  each_plane(source, box, work, [&](std::size_t z, const std::vector<double>& values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+      if (i == 0 || values[i] != values[i - 1]) planes[z].add(values[i]);
   });
-  for (const auto& part : found)
-    for (const float v : part)
-      if (all.size() <= kMostPhases) all.emplace(v, 0);
-  return all;
+  Numbers out;
+  for (const Numbers& plane : planes) {
+    out.least = std::min(out.least, plane.least);
+    out.most = std::max(out.most, plane.most);
+    if (!out.fraction) out.fraction = plane.fraction;
+    for (const double v : plane.some)
+      if (out.some.size() <= kMostPhases) out.some.insert(v);
+  }
+  return out;
 }
 
 Legend legend_of_particles(const Particles& particles) {
   Legend out;
+  out.meaning = Meaning::Particles;
   out.names.push_back("binder");
   std::map<std::int32_t, std::uint8_t> slot;
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) slot.emplace(particles.cls[i], 0);
-  if (slot.size() + 2 > kMostPhases)
+  if (slot.size() + 1 + (particles.void_count() > 0) > kMostPhases)
     throw Error("too-many-phases",
                 fmt::format("the particles have {} classes; at most {} phases are supported", slot.size(),
                             kMostPhases),
@@ -109,51 +125,56 @@ Legend legend_of_particles(const Particles& particles) {
 
 Legend legend_of_numbers(const VoxelSource& source, const VoxelBox& box, std::size_t expected,
                          const Work& work) {
-  Legend out;
-  out.level_set = source.level_set();
-  auto numbers = numbers_of(source, box, work);
-  const bool negative = numbers.begin()->first < 0,
-             fractions = std::any_of(
-                 numbers.begin(), numbers.end(), [](const auto&n) { return n.first != std::round(n.first); });
-  if (out.level_set || (fractions && !negative && numbers.rbegin()->first <= 1)) {
-    out.inside_outside = true;
-    out.names = {"outside", "inside"};
-    return out;
-  }
-  if (fractions)
+  if (source.level_set()) return {Meaning::LevelSet, {"outside", "inside"}, {}, {}};
+  const Numbers numbers = numbers_of(source, box, work);
+  if (numbers.fraction && numbers.least >= 0 && numbers.most <= 1)
+    return {Meaning::Coverage, {"outside", "inside"}, {}, {}};
+  if (numbers.fraction)
     throw Error(
         "not-phases",
         fmt::format(
-            "grid '{}' contains fractions such as {:.6g}, so it is neither phases nor a coverage from 0 to 1",
-            source.name(),
-            std::find_if(numbers.begin(), numbers.end(),
-                         [](const auto& n) { return n.first != std::round(n.first); })
-                ->first),
+            "grid '{}' contains numbers from {:.6g} to {:.6g}, such as {:.6g}, so it is neither phases "
+            "nor a coverage from 0 to 1",
+            source.name(), numbers.least, numbers.most, *numbers.fraction),
         "segment it into phases first")
         .parameter("grid");
-  if (expected == 2 && negative) {
-    out.inside_outside = true;
-    out.names = {"binder", "particles"};
-    return out;
-  }
-  if (numbers.size() > kMostPhases)
-    throw Error("too-many-phases", fmt::format("grid '{}' contains {}", source.name(), too_many()),
-                "give two values, for the binder and the particles, or connect the particles, whose classes "
-                "become the "
-                "phases")
+  if (expected == 2 && numbers.least < 0) return {Meaning::Labels, {"binder", "particles"}, {}, {}};
+  if (numbers.some.size() > kMostPhases)
+    throw Error(
+        "too-many-phases",
+        fmt::format("grid '{}' contains more than {} different numbers", source.name(), kMostPhases),
+        "give two values, for the binder and the particles, or connect the particles, whose classes become "
+        "the phases")
         .parameter("grid");
-  for (auto& [number, slot] : numbers) {
-    slot = out.names.size();
-    out.names.push_back(fmt::format("{}", number));
+  Legend out;
+  for (const double v : numbers.some) {
+    out.of_number.emplace(v, out.names.size());
+    out.names.push_back(fmt::format("{}", v));
   }
-  out.of_number = std::move(numbers);
   return out;
 }
 
-std::uint8_t phase_of(const Legend& legend, float v, bool labels) {
-  if (legend.inside_outside) return legend.level_set ? v < 0 : labels ? v >= 0 : v >= 0.5F;
-  if (legend.of_particle.empty()) return legend.of_number.at(v);
-  return v < 0 ? 0 : legend.of_particle[static_cast<std::size_t>(v)];
+std::uint8_t phase_of(const Legend& legend, double v, const std::string& grid) {
+  switch (legend.meaning) {
+    case Meaning::Labels:
+      return v >= 0;
+    case Meaning::Coverage:
+      return v >= 0.5;
+    case Meaning::LevelSet:
+      return v < 0;
+    case Meaning::Phases:
+      return legend.of_number.at(v);
+    case Meaning::Particles:
+      break;
+  }
+  if (v < 0) return 0;
+  const std::size_t i = v;
+  if (i < legend.of_particle.size()) return legend.of_particle[i];
+  throw Error("size-mismatch",
+              fmt::format("the grid {} contains particle {}, but there are only {} particles", grid, i,
+                          legend.of_particle.size()),
+              "connect the particles from which the volume was made")
+      .parameter("grid");
 }
 
 void set_fractions(PhaseMap& map) {
@@ -169,35 +190,25 @@ PhaseMap read_phases(const Volume& volume, const std::string& name, const Partic
                      std::size_t expected, std::uint64_t memory, const Work& work) {
   PhaseMap out;
   out.box = voxel_box(volume);
-  const VoxelSource source(volume, chosen_grid(volume, name), out.box);
+  const VoxelSource source(volume, chosen_grid(volume, name, particles != nullptr), out.box);
   if (source.components() != 1)
     throw Error("not-a-scalar", fmt::format("grid '{}' contains vectors", source.name()),
                 "choose a grid of single numbers")
         .parameter("grid");
-  require_memory(out.box.count(), memory, "the phases of the volume");
+  require_memory(out.box.count() + 256.0 * out.box.plane(), memory, "the phases of the volume");
   const bool labels = source.whole() && !source.yes_no();
   if (particles && !labels)
     throw Error("missing-input", fmt::format("grid '{}' has no indices of particles", source.name()),
-                "connect the volume of Voxelize, or disconnect the particles");
+                "connect the volume of Voxelize, or disconnect the particles")
+        .parameter("grid");
   const Legend legend =
       particles ? legend_of_particles(*particles) : legend_of_numbers(source, out.box, expected, work);
   out.names = legend.names;
   out.phase.resize(out.box.count());
-  each_range(source, out.box, work, [&](std::size_t first, const std::vector<float>& values) {
-    float last = std::numeric_limits<float>::quiet_NaN();
-    std::uint8_t phase = 0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      if (values[i] != last) {
-        last = values[i];
-        if (particles && last >= static_cast<float>(particles->count()))
-          throw Error("size-mismatch",
-                      fmt::format("the grid {} contains particle {}, but there are only {} particles",
-                                  source.name(), last, particles->count()),
-                      "connect the particles from which the volume was made");
-        phase = phase_of(legend, last, labels);
-      }
-      out.phase[first + i] = phase;
-    }
+  each_plane(source, out.box, work, [&](std::size_t z, const std::vector<double>& values) {
+    std::uint8_t* to = out.phase.data() + z * out.box.plane();
+    for (std::size_t i = 0; i < values.size(); ++i)
+      to[i] = i > 0 && values[i] == values[i - 1] ? to[i - 1] : phase_of(legend, values[i], source.name());
   });
   set_fractions(out);
   return out;

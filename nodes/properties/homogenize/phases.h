@@ -22,13 +22,13 @@ struct PhaseMap {
   std::size_t count() const { return names.size(); }
 };
 
-// Reads one grid: `name`, or if that is empty `phase`, else `id`, else `density`, else the only grid.
-// With particles, the grid contains their indices, and the phases are the binder, the classes that occur, in
-// order, and the voids. Without, each whole number is a phase, in increasing order; but if `expected` is 2
-// and the grid contains negative numbers, the phases are the binder (negative) and the particles. Coverage
-// and level sets give the phases outside and inside. Throws Error "no-such-grid", "several-grids",
-// "not-a-scalar", "too-many-phases", "size-mismatch" (a label that is not a particle), "too-large", and those
-// of voxel_box and VoxelSource.
+// Reads one grid: `name`, or if that is empty `phase` (with particles `id`), else `id`, else `density`, else
+// the only grid. With particles, the grid contains their indices, and the phases are the binder, the classes
+// that occur, in order, and the voids. Without, each whole number is a phase, in increasing order; but if
+// `expected` is 2 and the grid contains negative numbers, the phases are the binder (negative) and the
+// particles. Coverage and level sets give the phases outside and inside. Throws Error "no-such-grid",
+// "several-grids", "not-a-scalar", "too-many-phases", "size-mismatch" (a label that is not a particle),
+// "too-large", and those of voxel_box and VoxelSource.
 PhaseMap read_phases(const Volume&, const std::string& name, const Particles*, std::size_t expected,
                      std::uint64_t memory, const Work&);
 

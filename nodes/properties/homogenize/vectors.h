@@ -17,6 +17,18 @@ void each(std::size_t n, const Work& work, F&& f) {
   });
 }
 
+template <class A>
+double sum_of(const std::vector<A>& a, const Work& work) {
+  return work.quiet().reduce<double>(
+      a.size(), kVectorRange, 0,
+      [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t i = begin; i < end; ++i) sum += a[i];
+        return sum;
+      },
+      [](double p, double q) { return p + q; });
+}
+
 // Sums in double precision.
 template <class A, class B>
 double dot(const std::vector<A>& a, const std::vector<B>& b, const Work& work) {

@@ -26,31 +26,37 @@ double quantile(std::vector<double>& values, double q) {
 
 }  // namespace
 
+std::vector<double> draw_counts(const std::vector<int>& section, int sections, Random& random) {
+  std::vector<double> out;
+  out.reserve(section.size());
+  if (sections < 10) {
+    for (std::size_t i = 0; i < section.size(); ++i) out.push_back(poisson_1(random));
+    return out;
+  }
+  const double again = static_cast<double>(sections) / (sections - 1);
+  std::vector<int> times(sections, 0);
+  for (int s = 0; s + 1 < sections; ++s) ++times[random.below(sections)];
+  for (const int s : section) out.push_back(again * times[std::clamp(s, 0, sections - 1)]);
+  return out;
+}
+
 Intervals bootstrap(const Observation& q, int sections, int repetitions, std::uint64_t seed,
                     std::uint64_t stream,
                     const std::function<Eigen::VectorXd(const std::vector<double>& weights, double area_ratio,
                                                         Random&)>& estimate,
                     const Work& work) {
-  const bool by_section = sections >= 10;
-  const double again = static_cast<double>(sections) / std::max(1, sections - 1);
   double area = 0;
   for (std::size_t i = 0; i < q.size.size(); ++i) area += q.weight[i] * q.size[i] * q.size[i];
   std::vector<Eigen::VectorXd> results(repetitions);
   work.parallel(repetitions, 4, [&](std::size_t begin, std::size_t end) {
     std::vector<double> weight(q.size.size());
-    std::vector<int> times(by_section ? sections : 0);
     for (std::size_t r = begin; r < end; ++r) {
       work.check();
       Random random(seed, stream, r);
-      if (by_section) {
-        std::fill(times.begin(), times.end(), 0);
-        for (int s = 0; s + 1 < sections; ++s) ++times[random.below(sections)];
-      }
+      const std::vector<double> counts = draw_counts(q.section, sections, random);
       double drawn = 0;
       for (std::size_t i = 0; i < weight.size(); ++i) {
-        const double n = by_section ? again * times[std::clamp(q.section[i], 0, sections - 1)]
-                                    : static_cast<double>(poisson_1(random));
-        weight[i] = n * q.weight[i];
+        weight[i] = counts[i] * q.weight[i];
         drawn += weight[i] * q.size[i] * q.size[i];
       }
       results[r] = estimate(weight, area > 0 ? drawn / area : 1, random);

@@ -17,12 +17,15 @@ struct Intervals {
   std::vector<double> low, high;  // 5 % and 95 % quantiles
 };
 
-// Resamples the profiles and calls `estimate` with the weights of one repetition (some zero), the ratio of
-// its covered area to the original one, and a random stream for that repetition. Each profile appears a
-// Poisson number of times with mean 1, because the number of profiles is random too. From 10 sections on,
-// whole sections are resampled instead, so that the differences between sections count: one section fewer
-// than there are, weighted up (Rao and Wu 1988); otherwise the variance between few sections would be
-// underestimated. Equal seed and stream yield identical bits.
+// How often each profile appears in one repetition. A Poisson number of times with mean 1, because the number
+// of profiles is random too. From 10 sections on, whole sections are resampled instead, so that the
+// differences between sections count: one section fewer than there are, weighted up (Rao and Wu 1988);
+// otherwise the variance between few sections would be underestimated. `section`: that of each profile.
+std::vector<double> draw_counts(const std::vector<int>& section, int sections, Random&);
+
+// Resamples the profiles by draw_counts and calls `estimate` with the weights of one repetition (some zero),
+// the ratio of its covered area to the original one, and a random stream for that repetition. Equal seed and
+// stream yield identical bits.
 Intervals bootstrap(const Observation&, int sections, int repetitions, std::uint64_t seed,
                     std::uint64_t stream,
                     const std::function<Eigen::VectorXd(const std::vector<double>& weights, double area_ratio,

@@ -7,9 +7,9 @@
 namespace terrazzo {
 
 void add_number_grid(Volume& volume, const std::string& name, const Vec3i& size, const Vec3& spacing,
-                     const Work& work, const std::function<float(std::size_t)>& value) {
+                     const Work& work, const std::function<float(std::size_t)>& value, const Vec3i& first) {
   initialize_openvdb();
-  auto grid = dense_grid<openvdb::FloatGrid>(name.c_str(), size, 1, work, value);
+  auto grid = dense_grid<openvdb::FloatGrid>(name.c_str(), size, 1, work, value, first);
   grid->setTransform(voxel_transform(spacing));
   volume.grids.push_back(grid);
 }

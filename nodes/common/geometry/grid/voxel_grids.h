@@ -11,9 +11,10 @@
 namespace terrazzo {
 
 // The first two add a grid whose `size` voxels are all active. `value(i)` returns voxel number (z·ny + y)·nx
-// + x and may be called from several threads. `spacing` and `voxel` are edge lengths in mm.
+// + x and may be called from several threads. `spacing` and `voxel` are edge lengths in mm, `first` is the
+// first voxel.
 void add_number_grid(Volume&, const std::string& name, const Vec3i& size, const Vec3& spacing, const Work&,
-                     const std::function<float(std::size_t)>& value);
+                     const std::function<float(std::size_t)>& value, const Vec3i& first = Vec3i::Zero());
 void add_vector_grid(Volume&, const std::string& name, const Vec3i& size, double voxel, const Work&,
                      const std::function<Vec3f(std::size_t)>& value);
 

@@ -60,12 +60,15 @@ double dense_conduction(const PhaseMap& map, const std::vector<double>& values, 
             visit(i, j, d, to[d] == 0, sum > 0 ? 2 * k(i) * k(j) / sum : 0);
           }
   };
-  every_face([&](Eigen::Index i, Eigen::Index j, int d, bool around, double g) {
+  const Vec3& edge = map.box.spacing;
+  const double length = n[axis] * edge[axis];
+  every_face([&](Eigen::Index i, Eigen::Index j, int d, bool around, double conductivity) {
+    const double per_edge = 1 / (edge[d] * edge[d]), g = conductivity * per_edge;
     if (around && !wraps) {
       if (d != axis) return;
-      a(i, i) += 2 * k(i);
-      a(j, j) += 2 * k(j);
-      b(i) += 2 * k(i) * n[axis];
+      a(i, i) += 2 * k(i) * per_edge;
+      a(j, j) += 2 * k(j) * per_edge;
+      b(i) += 2 * k(i) * per_edge * length;
       return;
     }
     a(i, i) += g;
@@ -73,16 +76,16 @@ double dense_conduction(const PhaseMap& map, const std::vector<double>& values, 
     a(i, j) -= g;
     a(j, i) -= g;
     if (d == axis && wraps) {
-      b(i) += g;
-      b(j) -= g;
+      b(i) += g * edge[d];
+      b(j) -= g * edge[d];
     }
   });
   const Eigen::VectorXd x = a.completeOrthogonalDecomposition().solve(b);
   double flow = 0;
   every_face([&](Eigen::Index i, Eigen::Index j, int d, bool around, double g) {
     if (d != axis) return;
-    if (wraps) flow += g * (x(j) - x(i) + 1) / static_cast<double>(count);
-    if (!wraps && around) flow += 2 * k(j) * x(j) * n[axis] / static_cast<double>(count);
+    if (wraps) flow += g * ((x(j) - x(i)) / edge[axis] + 1) / static_cast<double>(count);
+    if (!wraps && around) flow += 2 * k(j) * x(j) / edge[axis] * n[axis] / static_cast<double>(count);
   });
   return flow;
 }
@@ -142,7 +145,7 @@ TEST(Conduction, OfACheckerboardIsTheGeometricMean) {
 }
 
 TEST(Conduction, WithoutAWayAcrossIsExactlyZero) {
-  // A wall across x with a hole, whose pieces of the conductor end in it.
+  // A wall across x.
   const auto map = test::phase_map({8, 6, 6}, 2, [](int x, int, int) { return x == 3 ? 0 : 1; });
   for (const Boundary boundary : {Boundary::Periodic, Boundary::Fixed}) {
     const Solved s = conduct(map, {0, 5}, boundary, kAllAxes, kFine, kAmple, {});
@@ -167,7 +170,7 @@ TEST(Conduction, FollowsARodThroughThePeriod) {
 }
 
 TEST(Conduction, HasEqualBitsOnAnyNumberOfThreads) {
-  const auto map = test::random_map({33, 20, 17}, 2, 4);
+  const auto map = test::random_map({65, 67, 35}, 2, 4);
   const auto all = test::with_threads([&] {
     return conduct(map, {1, 80}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {});
   });
@@ -193,11 +196,30 @@ TEST(Conduction, FailsWithTheResidualAndBeforeItTakesTooMuchMemory) {
             "too-large");
 }
 
+TEST(Conduction, StopsWhenItIsCanceled) {
+  const std::atomic<bool> canceled{true};
+  const Work work(&canceled, nullptr);
+  EXPECT_THROW(
+      conduct(test::random_map({9, 9, 9}, 2, 1), {1, 5}, Boundary::Periodic, kAllAxes, kFine, kAmple, work),
+      Cancelled);
+}
+
+// A phase that does not occur has no effect.
+TEST(Conduction, DoesNotDependOnPhasesThatDoNotOccur) {
+  auto map = test::random_map({6, 5, 7}, 2, 3);
+  const Mat3 before = conductivity_of(map, {1, 4});
+  map.names.push_back("absent");
+  map.fraction.push_back(0);
+  EXPECT_LT((conductivity_of(map, {1, 4, 1e9}) - before).norm(), 1e-6);
+}
+
 // The mean of the flow is the effective conductivity where flow has one direction.
 TEST(Conduction, FieldHasTheMeanFlow) {
   const auto map = test::phase_map({8, 4, 4}, 2, [](int x, int, int) { return x / 4; });
-  const Solved s = conduct(map, {1, 3}, Boundary::Periodic, kAllAxes, kFine, kAmple, {});
-  for (const float f : s.flow) EXPECT_NEAR(f, 1.5, 1e-5);
+  for (const Boundary boundary : {Boundary::Periodic, Boundary::Fixed}) {
+    const Solved s = conduct(map, {1, 3}, boundary, kAllAxes, kFine, kAmple, {});
+    for (const float f : s.flow) EXPECT_NEAR(f, 1.5, 1e-5);
+  }
 }
 
 }  // namespace

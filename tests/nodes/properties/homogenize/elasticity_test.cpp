@@ -158,10 +158,18 @@ TEST(Elasticity, OfOneMaterialIsItsOwn) {
   EXPECT_NEAR(m.poisson(), 0.29, 1e-5);
 }
 
+TEST(Elasticity, DoesNotDependOnPhasesThatDoNotOccur) {
+  auto map = test::random_map({6, 5, 7}, 2, 3);
+  const Stiffness before = stiffness_of(map, {{1, 0.3}, {4, 0.2}});
+  map.names.push_back("absent");
+  map.fraction.push_back(0);
+  EXPECT_LT((stiffness_of(map, {{1, 0.3}, {4, 0.2}, {1e9, 0.3}}) - before).norm(), 1e-5);
+}
+
 TEST(Elasticity, HasEqualBitsOnAnyNumberOfThreads) {
-  const auto map = test::random_map({10, 9, 23}, 2, 3);
+  const auto map = test::random_map({41, 42, 39}, 2, 3);
   const auto all = test::with_threads([&] {
-    return stiffness(map, {{1, 0.3}, {50, 0.2}}, {1e-5, 2000}, kAmple, {});
+    return stiffness(map, {{1, 0.3}, {5, 0.2}}, {1e-4, 2000}, kAmple, {});
   });
   for (const SolvedStiffness& s : all) {
     EXPECT_EQ(s.effective, all[0].effective);

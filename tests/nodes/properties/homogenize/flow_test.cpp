@@ -99,7 +99,7 @@ TEST(Flow, KnowsTheEdgesOfVoxels) {
 }
 
 TEST(Flow, HasEqualBitsOnAnyNumberOfThreads) {
-  const auto map = test::ball(15, 0.3);
+  const auto map = test::ball(43, 0.3);
   const auto all = test::with_threads([&] {
     return permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, kAmple, {});
   });

@@ -77,6 +77,13 @@ TEST(HomogenizePhases, OfLabelsAreTwoIfThereAreTwoValues) {
   const Volume v = labels([](int x) { return x < 4 ? x : -1; });
   EXPECT_EQ(phases(v, 2).names, (std::vector<std::string>{"binder", "particles"}));
   EXPECT_EQ(phases(v, 5).names, (std::vector<std::string>{"-1", "0", "1", "2", "3"}));
+  // The same in a grid of real numbers, and with more labels than there may be phases.
+  EXPECT_EQ(phases(numbers([](int x) { return x < 3 ? 0 : -1; }), 2).fraction[1], 3.0 / 8);
+  Volume many;
+  add_id_grid(many, "id", Vec3i::Constant(kEdge), Vec3::Ones(), {},
+              [](std::size_t i) { return static_cast<std::int32_t>(i) - 1; });
+  EXPECT_EQ(phases(many, 2).fraction[1], 511.0 / 512);
+  EXPECT_EQ(test::code_of([&] { phases(many, 3); }), "too-many-phases");
 }
 
 TEST(HomogenizePhases, OfCoverageAreOutsideAndInside) {
@@ -150,13 +157,27 @@ TEST(Homogenize, NamesTheParameterOfABadValue) {
   refuses({{"values", "[1, 2, 3]"}},
           "there are values for 3 phases, but the volume has 2: 0 with 50 %, 1 with 50 %");
   refuses({{"values", "[1, 0.5]"}, {"property", "permeability"}}, "the value 0.5 is neither 0 nor 1");
-  refuses({{"values", "[1, 0.3, 2]"}, {"property", "stiffness"}}, "3 numbers are no pairs");
+  refuses({{"values", "[1, 0.3, 2]"}, {"property", "stiffness"}}, "3 numbers are not pairs");
   refuses({{"values", "[1, 0.5, 2, 0.3]"}, {"property", "stiffness"}}, "Poisson's ratio 0.5");
   refuses({{"values", "[1, 0.3, 2, 0.3]"}, {"property", "stiffness"}, {"boundary", "fixed"}},
           "periodic volumes only");
-  refuses({{"values", "[1, 2]"}, {"directions", "[x, up]"}}, "'up' is no direction");
+  refuses({{"values", "[1, 2]"}, {"directions", "[x, up]"}}, "'up' is not a direction");
   refuses({{"values", "[1, 1000]"}, {"iterations", "1"}, {"tolerance", "1e-9"}},
           "after 1 iterations the residual is");
+}
+
+// Voxels that are no longer cubes at half the resolution give no voxel_error; a single layer may have any
+// thickness.
+TEST(Homogenize, HalvesOnlyWhatStaysCubic) {
+  for (const auto& [size, has] : {std::pair(Vec3i(8, 8, 9), false), std::pair(Vec3i(8, 8, 1), true)}) {
+    Volume v;
+    add_number_grid(v, "phase", size, Vec3::Constant(0.1), {},
+                    [](std::size_t i) { return i % 8 < 4 ? 0.0F : 1.0F; });
+    v.resolution = size;
+    const auto r = run(v, {{"property", "stiffness"}, {"values", "[1, 0.3, 2, 0.3]"}});
+    EXPECT_EQ(r.metrics.count("voxel_error"), has ? 1u : 0u) << size.transpose();
+    EXPECT_GT(r.metrics.at("young"), 1);
+  }
 }
 
 // The electrode of TauFactor's examples: its three phases, and pores that connect in all directions.
