@@ -23,8 +23,7 @@ Reliability reliability_of(const Proposal& clusters, const Proposal& network, co
   return {precision(c), precision(n), precision(b)};
 }
 
-Method most_reliable(const Reliability& r, const ColorProposal& by_color, const Proposal& network,
-                     const Proposal& both) {
+Method most_reliable(const Reliability& r, const ColorProposal& by_color, const Proposal& network) {
   constexpr double kLeadOverClusters = 1.1, kLeadOverBoth = 1.7;
   // Where much of what the network is sure of is binder by its color, color does not tell particles from
   // binder, as between fragments of many colors.
@@ -33,7 +32,8 @@ Method most_reliable(const Reliability& r, const ColorProposal& by_color, const 
   if (!by_color.proposal.labels.classes.empty() &&
       kLeadOverClusters * r.clusters > std::max(r.both, r.network))
     return Method::Clusters;
-  if (any_distinct && network.left_out_by(both) <= kForeign && kLeadOverBoth * r.both > r.network)
+  if (any_distinct && network.left_out_by(by_color.proposal) <= kForeign &&
+      kLeadOverBoth * r.both > r.network)
     return Method::Both;
   return Method::Network;
 }

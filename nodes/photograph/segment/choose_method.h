@@ -17,6 +17,6 @@ Reliability reliability_of(const Proposal& clusters, const Proposal& network, co
 
 // Clusters, Both or Network, by their reliability. The network judges its own particles too, so it has to be
 // clearly better than clusters.
-Method most_reliable(const Reliability&, const ColorProposal&, const Proposal& network, const Proposal& both);
+Method most_reliable(const Reliability&, const ColorProposal&, const Proposal& network);
 
 }  // namespace terrazzo::segment

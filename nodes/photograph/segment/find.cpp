@@ -42,7 +42,7 @@ NetworkOptions network_candidates(const SegmentOptions& options, Method method, 
 Proposal choose_best(ColorProposal by_color, Proposal by_network, Proposal both, const Settled* settled,
                      Segmentation& s) {
   s.reliability = reliability_of(by_color.proposal, by_network, both);
-  s.method = settled ? settled->method : most_reliable(s.reliability, by_color, by_network, both);
+  s.method = settled ? settled->method : most_reliable(s.reliability, by_color, by_network);
   return s.method == Method::Clusters ? std::move(by_color.proposal)
          : s.method == Method::Both   ? std::move(both)
                                       : std::move(by_network);
