@@ -34,7 +34,7 @@ double conduction_bytes(const Vec3i& size);
 // The conductivity tensor of a map whose phases conduct `values`, ≥ 0 and not all zero, along the chosen
 // axes. With cell-centered finite volumes and harmonic means at faces. Fixed: the half voxel between the
 // outer voxels' centers and the face conducts as they do; only the diagonal is found. Pieces that do not
-// reach across carry no flow and are left out. Throws Error "no-convergence", "too-large".
+// reach across carry no flow and are left out. Throws Error "not-converged", "too-large".
 Solved conduct(const PhaseMap&, const std::vector<double>& values, Boundary,
                const std::array<bool, 3>& directions, const Accuracy&, std::uint64_t memory, const Work&);
 

@@ -12,7 +12,7 @@ void report(const Convergence& c, double tolerance, const Work& work) {
 }
 
 Error stalled(const Convergence& c, double tolerance) {
-  return Error("no-convergence",
+  return Error("not-converged",
                fmt::format("after {} iterations the residual is {:.2g}, above the tolerance of {:.2g}",
                            c.iterations, c.residual, tolerance),
                "allow more iterations, a larger tolerance, or values that differ less")

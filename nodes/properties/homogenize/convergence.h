@@ -19,7 +19,7 @@ struct Convergence {
 // Shows the residual, with the progress that its logarithm has made toward the tolerance.
 void report(const Convergence&, double tolerance, const Work&);
 
-// Error "no-convergence", with the residual.
+// Error "not-converged", with the residual.
 Error stalled(const Convergence&, double tolerance);
 
 }  // namespace terrazzo::homogenize

@@ -33,7 +33,7 @@ double elasticity_bytes(double voxels);
 // element, integrated exactly, so that the result is an upper bound for the voxel model. By conjugate
 // gradients for the displacements; the preconditioner is the inverse of a homogeneous medium by Fourier
 // transform (Moulinec and Suquet 1998; Leute et al. 2022), which needs about as many iterations for pores as
-// for a contrast of 100. Throws Error "not-cubic", "no-convergence", "too-large".
+// for a contrast of 100. Throws Error "not-cubic", "not-converged", "too-large".
 SolvedStiffness stiffness(const PhaseMap&, const std::vector<Elastic>& values, const Accuracy&,
                           std::uint64_t memory, const Work&);
 

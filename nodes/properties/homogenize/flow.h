@@ -19,7 +19,7 @@ double flow_bytes(const Vec3i& size);
 // is a W-cycle for each component of the velocity, and for the pressure the sum of the identity, which is
 // right within pores, and of a W-cycle of Darcy's law along them (after Cahouet and Chabard 1988). The
 // residual is that of the preconditioned system. `potential` of the result is the pressure, less its mean
-// slope, and `flow` the speed. Throws Error "no-convergence", "too-large".
+// slope, and `flow` the speed. Throws Error "not-converged", "too-large".
 Solved permeate(const PhaseMap&, const std::vector<char>& open, Boundary,
                 const std::array<bool, 3>& directions, const Accuracy&, std::uint64_t memory, const Work&);
 

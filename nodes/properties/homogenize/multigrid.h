@@ -54,7 +54,7 @@ class Multigrid {
 
 // Solves A x = b by conjugate gradients, from zero. Stops when the residual is at most `tolerance`, and so is
 // the error of energy − b·x relative to that difference, an effective value, as far as the preconditioner can
-// tell; 0: no such value. Throws Error "no-convergence" with the residual if the iterations do not suffice. A
+// tell; 0: no such value. Throws Error "not-converged" with the residual if the iterations do not suffice. A
 // singular A needs a `b` without a component in its null space.
 Convergence solve(Multigrid&, const std::vector<double>& b, double energy, std::vector<double>& x,
                   const Accuracy&, const Work&);

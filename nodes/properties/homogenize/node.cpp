@@ -161,7 +161,7 @@ std::optional<double> voxel_error(Context& c, const PhaseMap& map, const Result&
   try {
     return (whole.effective - solve_for(c, *half, work).effective).cwiseAbs().maxCoeff() / largest;
   } catch (const Error& e) {
-    if (e.diagnostic().code != "no-convergence") throw;
+    if (e.diagnostic().code != "not-converged") throw;
     c.warn("there is no voxel_error, because at half the resolution " + e.diagnostic().message);
     return {};
   }

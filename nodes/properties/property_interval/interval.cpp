@@ -45,8 +45,18 @@ Interval interval_of(const std::vector<double>& blocks, const std::vector<double
   out.block = std::sqrt(block.variance);
   out.photograph = std::sqrt(std::max(0.0, draw.variance - block.variance));
   out.voxels = std::abs(voxel_error);
-  const double variance = out.photograph * out.photograph + block.variance / blocks.size();
-  const double freedom = std::min(blocks.size(), draws.size()) - 1.0;
+  // What the draws share with the blocks and the mean over blocks does not have.
+  const double shared = block.variance * (1 - 1.0 / blocks.size());
+  double variance = draw.variance - shared, freedom = 0;
+  if (draw.variance > block.variance) {  // Welch and Satterthwaite's degrees of freedom
+    freedom =
+        variance * variance /
+        (draw.variance * draw.variance / (draws.size() - 1.0) + shared * shared / (blocks.size() - 1.0));
+  } else {
+    variance = block.variance / blocks.size();
+    freedom = blocks.size() - 1.0;
+  }
+  freedom = std::max(1.0, freedom);
   const double half =
       std::hypot(student_quantile((1 + confidence) / 2, freedom) * std::sqrt(variance), out.voxels);
   out.low = out.estimate - half;

@@ -16,7 +16,7 @@ struct Interval {
 // `blocks`: values of blocks that differ by their seeds; `draws`: values of blocks, one for each draw of
 // profiles; `voxel_error`: absolute. Variances of draws contain that of blocks, which is subtracted. The
 // interval is that of Student's t for the variance of the estimate, at least that of the mean over blocks,
-// and the voxel error adds in squares. The degrees of freedom are those of the shorter list. `confidence`:
+// and the voxel error adds in squares. Degrees of freedom after Welch 1947. `confidence`:
 // 0.5 to 0.999. Throws Error "too-few-values" below two of each.
 Interval interval_of(const std::vector<double>& blocks, const std::vector<double>& draws, double voxel_error,
                      double confidence);

@@ -116,7 +116,7 @@ NodeType property_interval_node() {
           "Finds how sure a property is that comes from one photograph, from its values for several blocks "
           "and for "
           "several draws of the photograph's profiles.")
-      .source_("Student 1908; Kanit et al. 2003 (representative volume)")
+      .source_("Welch 1947; Kanit et al. 2003 (representative volume)")
       .input_list("blocks", {"Table"},
                   "Tables of Homogenize for blocks with the photograph's profiles and different seeds")
       .input_list("draws", {"Table"},

@@ -187,7 +187,7 @@ TEST(Conduction, FailsWithTheResidualAndBeforeItTakesTooMuchMemory) {
     conduct(map, {1, 1e4}, Boundary::Periodic, kAllAxes, {1e-9, 3}, kAmple, {});
     FAIL();
   } catch (const Error& e) {
-    EXPECT_EQ(e.diagnostic().code, "no-convergence");
+    EXPECT_EQ(e.diagnostic().code, "not-converged");
     EXPECT_NE(e.diagnostic().message.find("after 3 iterations the residual is"), std::string::npos);
   }
   EXPECT_EQ(test::code_of([&] {

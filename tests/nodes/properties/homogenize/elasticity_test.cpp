@@ -183,7 +183,7 @@ TEST(Elasticity, RefusesBoxesThatAreNoCubesAndTooMuchMemory) {
   EXPECT_EQ(test::code_of([&] {
               stiffness(map, {{1, 0.3}, {90, 0.3}}, {1e-6, 1}, kAmple, {});
             }),
-            "no-convergence");
+            "not-converged");
   map.box.spacing = Vec3(1, 1, 2);
   EXPECT_EQ(test::code_of([&] { stiffness(map, {{1, 0.3}, {2, 0.3}}, kUsual, kAmple, {}); }), "not-cubic");
 }

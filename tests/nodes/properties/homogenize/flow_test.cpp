@@ -114,7 +114,7 @@ TEST(Flow, FailsWithTheResidualAndBeforeItTakesTooMuchMemory) {
   EXPECT_EQ(test::code_of([&] {
               permeate(map, {1, 0}, Boundary::Periodic, kAlongX, {1e-9, 2}, kAmple, {});
             }),
-            "no-convergence");
+            "not-converged");
   EXPECT_EQ(test::code_of([&] {
               permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, 100'000, {});
             }),

@@ -27,7 +27,8 @@ TEST(PropertyInterval, NamesItsParts) {
   EXPECT_DOUBLE_EQ(i.estimate, 10);
   EXPECT_DOUBLE_EQ(i.block, 1);
   EXPECT_DOUBLE_EQ(i.photograph, std::sqrt(3));
-  const double half = std::hypot(student_quantile(0.95, 2) * std::sqrt(3 + 1.0 / 3), 0.5);
+  const double variance = 3 + 1.0 / 3, freedom = variance * variance / (16.0 / 2 + 4.0 / 9 / 2);
+  const double half = std::hypot(student_quantile(0.95, freedom) * std::sqrt(variance), 0.5);
   EXPECT_NEAR(i.high - 10, half, 1e-12);
   EXPECT_NEAR(10 - i.low, half, 1e-12);
   EXPECT_EQ(interval_of(draws, blocks, 0, 0.9).photograph, 0);  // never negative
