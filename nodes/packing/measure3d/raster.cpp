@@ -7,30 +7,11 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/coverage.h"
+#include "nodes/common/geometry/grid/grid_choice.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::measure3d {
 namespace {
-
-std::string chosen_grid(const Volume& volume, const std::string& name) {
-  const auto all = grid_names(volume);
-  const auto has = [&](const std::string& n) { return std::find(all.begin(), all.end(), n) != all.end(); };
-  if (!name.empty()) {
-    if (has(name)) return name;
-    throw Error("no-such-grid",
-                fmt::format("the volume has no grid '{}' (its grids: {})", name, fmt::join(all, ", ")),
-                "choose one of them")
-        .parameter("grid");
-  }
-  for (const char* usual : {"id", "density"})
-    if (has(usual)) return usual;
-  if (all.size() == 1) return all[0];
-  throw Error(
-      "several-grids",
-      fmt::format("the volume has neither a grid id nor density (its grids: {})", fmt::join(all, ", ")),
-      "name one of them with grid")
-      .parameter("grid");
-}
 
 // The values of planes z0 … z1 − 1. Distances become coverages; `voxel`: mean edge of a voxel, mm.
 std::vector<float> read_values(const VoxelSource& source, int z0, int z1, std::size_t plane, double voxel) {
@@ -54,7 +35,7 @@ Raster read_raster(const Volume& volume, const std::string& name, const Particle
                    std::optional<double> threshold, std::uint64_t memory, const Work& work) {
   Raster out;
   out.box = voxel_box(volume);
-  const VoxelSource source(volume, chosen_grid(volume, name), out.box);
+  const VoxelSource source(volume, grid_to_read(volume, name, {"id", "density"}), out.box);
   if (source.components() != 1)
     throw Error("not-a-scalar", fmt::format("grid '{}' contains vectors", source.name()),
                 "choose a grid of single numbers")

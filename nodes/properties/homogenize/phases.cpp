@@ -9,30 +9,14 @@
 #include <set>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/grid/grid_choice.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::homogenize {
 namespace {
 
-std::string chosen_grid(const Volume& volume, const std::string& name, bool of_particles) {
-  const auto all = grid_names(volume);
-  const auto has = [&](const std::string& n) { return std::find(all.begin(), all.end(), n) != all.end(); };
-  if (!name.empty()) {
-    if (has(name)) return name;
-    throw Error("no-such-grid",
-                fmt::format("the volume has no grid '{}' (its grids: {})", name, fmt::join(all, ", ")),
-                "choose one of them")
-        .parameter("grid");
-  }
-  if (of_particles && has("id")) return "id";
-  for (const char* usual : {"phase", "id", "density"})
-    if (has(usual)) return usual;
-  if (all.size() == 1) return all[0];
-  throw Error(
-      "several-grids",
-      fmt::format("the volume has no grid phase, id or density (its grids: {})", fmt::join(all, ", ")),
-      "name one of them with grid")
-      .parameter("grid");
+std::vector<std::string> usual_grids(bool of_particles) {
+  return of_particles ? std::vector<std::string>{"id"} : std::vector<std::string>{"phase", "id", "density"};
 }
 
 // Calls visit(first voxel, values) for each plane, on all threads.
@@ -190,7 +174,7 @@ PhaseMap read_phases(const Volume& volume, const std::string& name, const Partic
                      std::size_t expected, std::uint64_t memory, const Work& work) {
   PhaseMap out;
   out.box = voxel_box(volume);
-  const VoxelSource source(volume, chosen_grid(volume, name, particles != nullptr), out.box);
+  const VoxelSource source(volume, grid_to_read(volume, name, usual_grids(particles != nullptr)), out.box);
   if (source.components() != 1)
     throw Error("not-a-scalar", fmt::format("grid '{}' contains vectors", source.name()),
                 "choose a grid of single numbers")
