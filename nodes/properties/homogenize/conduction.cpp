@@ -87,7 +87,7 @@ std::vector<float> flow_of(const Model& m, const std::vector<double>& x, int axi
         return;
       }
       const double slope = x[j] - x[i] + (a == axis ? step : 0);
-      const auto half = static_cast<float>(0.5 * m.conductance(i, j, a) / m.weight[a] * slope / edge);
+      const float half = 0.5 * m.conductance(i, j, a) / m.weight[a] * slope / edge;
       at[i] += half;
       at[j] += half;
     });
@@ -147,8 +147,8 @@ void solve_fixed(const Model& m, int axis, const Accuracy& accuracy, Solved& out
   // The last voxel's next one is the first.
   each_face(n, axis, 0, n.z(), work, [&](std::size_t last, std::size_t first, bool around) {
     if (!around) return;
-    const auto low = static_cast<float>(2 * m.k[first] * m.weight[axis]);
-    const auto high = static_cast<float>(2 * m.k[last] * m.weight[axis]);
+    const float low = 2 * m.k[first] * m.weight[axis];
+    const float high = 2 * m.k[last] * m.weight[axis];
     faces.sink[first] += low;
     faces.sink[last] += high;
     b[last] += high * length;
@@ -187,7 +187,7 @@ std::vector<float> conducting(const PhaseMap& map, const VoxelBox& box, const st
     if (axes[a]) out.connected[a] = connected.along[a];
   std::vector<float> k(open.size(), 0);
   each(k.size(), work, [&](std::size_t i) {
-    if (connected.voxels[i]) k[i] = static_cast<float>(values[map.phase[i]] / largest);
+    if (connected.voxels[i]) k[i] = values[map.phase[i]] / largest;
   });
   return k;
 }

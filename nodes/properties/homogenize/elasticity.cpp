@@ -60,7 +60,7 @@ class Reference {
     for (auto& c : u) transform_block(c, size_, false, work.quiet());
     const double scale = 1.0 / voxels_in(size_);  // of the transforms
     work.quiet().parallel(size_.z(), 2, [&](std::size_t begin, std::size_t end) {
-      for (int z = begin; z < static_cast<int>(end); ++z)
+      for (int z = begin, stop = end; z < stop; ++z)
         for (int y = 0; y < size_.y(); ++y)
           for (int x = 0; x < size_.x(); ++x) {
             const std::size_t i = voxel_at(x, y, z, size_);
@@ -128,7 +128,7 @@ Convergence relax(const Elements& elements, const Reference& reference, const St
     reference.apply(z, work);
     const PerLoad rz = dot(r, z, work);
     float beta[2], alpha[2];
-    for (int l = 0; l < 2; ++l) beta[l] = static_cast<float>(before[l] > 0 ? rz[l] / before[l] : 0);
+    for (int l = 0; l < 2; ++l) beta[l] = before[l] > 0 ? rz[l] / before[l] : 0;
     before = rz;
     // Floats with an even index belong to the first load.
     const auto floats = [](auto& field, int c) { return reinterpret_cast<float*>(field[c].data()); };
@@ -138,7 +138,7 @@ Convergence relax(const Elements& elements, const Reference& reference, const St
     }
     elements.apply(p, nullptr, q, work);
     const PerLoad pq = dot(p, q, work);
-    for (int l = 0; l < 2; ++l) alpha[l] = static_cast<float>(pq[l] > 0 ? rz[l] / pq[l] : 0);
+    for (int l = 0; l < 2; ++l) alpha[l] = pq[l] > 0 ? rz[l] / pq[l] : 0;
     for (int c = 0; c < 3; ++c) {
       float *x = floats(u, c), *res = floats(r, c), *way = floats(p, c), *force = floats(q, c);
       each(2 * n, work, [&](std::size_t i) {
@@ -152,7 +152,7 @@ Convergence relax(const Elements& elements, const Reference& reference, const St
 void require_cubes(const VoxelBox& box) {
   if (box.spacing.maxCoeff() <= 1.0001 * box.spacing.minCoeff()) return;
   throw Error("not-cubic",
-              fmt::format("voxels of {:.4g} × {:.4g} × {:.4g} mm are no cubes", box.spacing.x(),
+              fmt::format("voxels of {:.4g} × {:.4g} × {:.4g} mm are not cubes", box.spacing.x(),
                           box.spacing.y(), box.spacing.z()),
               "resample the volume to cubes; stiffness supports nothing else")
       .parameter("property");

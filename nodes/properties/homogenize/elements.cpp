@@ -52,8 +52,8 @@ struct Elements::Rows {
 Elements::Elements(const PhaseMap& map, const std::vector<Elastic>& values, double unit)
     : size_(map.box.size), phase_(map.phase) {
   for (const Elastic& v : values) {
-    lambda_.push_back(static_cast<float>(v.lambda() / unit));
-    mu_.push_back(static_cast<float>(v.mu() / unit));
+    lambda_.push_back(v.lambda() / unit);
+    mu_.push_back(v.mu() / unit);
   }
 }
 
@@ -196,7 +196,7 @@ Strains Elements::apply(const Displacements& u, const Strains* mean, Displacemen
     Rows rows(size_.x());
     if (mean)
       for (int k = 0; k < 6; ++k)
-        for (int i = 0; i < rows.floats; ++i) rows.strain[k][i] = static_cast<float>((*mean)[i & 1][k]);
+        for (int i = 0; i < rows.floats; ++i) rows.strain[k][i] = (*mean)[i & 1][k];
     for (int z = slab * kLayers; z < std::min<int>(size_.z(), (slab + 1) * kLayers); ++z) {
       work.check();
       for (int y = 0; y < size_.y(); ++y) {

@@ -93,7 +93,7 @@ class Stokes {
   template <class Row>
   void for_rows(Row&& row, const Work& work) const {
     work.quiet().parallel(n_.z(), 2, [&](std::size_t begin, std::size_t end) {
-      for (int z = begin; z < static_cast<int>(end); ++z)
+      for (int z = begin, stop = end; z < stop; ++z)
         for (int y = 0; y < n_.y(); ++y) row(y, z);
     });
   }
@@ -121,7 +121,7 @@ class Stokes {
             for (int b = 0; b < 3; ++b)
               for (const int by : {-1, 1}) {
                 const std::size_t j = moved(at, b, by);
-                const auto weight = static_cast<float>(scale_[b] * scale_[b]);
+                const float weight = scale_[b] * scale_[b];
                 if (active_[axis][j]) {
                   if (by == 1) out.face[b][i] = weight;
                   continue;
@@ -174,7 +174,7 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
     if (out.residual <= accuracy.tolerance) return out;
     if (out.iterations == accuracy.iterations || !std::isfinite(out.residual))
       throw stalled(out, accuracy.tolerance);
-    const auto inverse = static_cast<float>(1 / gamma);
+    const float inverse = 1 / gamma;
     for (auto& f : z) each(n, work, [&](std::size_t i) { f[i] *= inverse; });
     system.apply(z, next, work);
     const double delta = dot(next, z, work), back = delta / gamma, further = gamma / gamma_before;
@@ -192,7 +192,7 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
     const double step = c * eta;
     for (int k = 0; k < 4; ++k)
       each(n, work, [&](std::size_t i) {
-        const auto w = static_cast<float>((z[k][i] - a3 * older[k][i] - a2 * old[k][i]) / a1);
+        const float w = (z[k][i] - a3 * older[k][i] - a2 * old[k][i]) / a1;
         older[k][i] = w;
         x[k][i] += static_cast<float>(step * w);
       });
@@ -217,7 +217,7 @@ std::vector<float> speed_of(const Fields<float>& x, const Vec3i& n, const Work& 
       const std::size_t behind = first ? i + (n[a] - 1) * step[a] : i - step[a];
       sum += std::pow(0.5 * (static_cast<double>(x[a][i]) + x[a][behind]), 2);
     }
-    out[i] = static_cast<float>(std::sqrt(sum));
+    out[i] = std::sqrt(sum);
   });
   return out;
 }

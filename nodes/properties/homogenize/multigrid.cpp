@@ -85,7 +85,7 @@ void Multigrid::set_inverse(Level& l, const Work& work) {
     const struct {
       float operator[](std::size_t) const { return 1; }
     } ones;
-    for (int z = begin; z < static_cast<int>(end); ++z)
+    for (int z = begin, stop = end; z < stop; ++z)
       for (int y = 0; y < l.size.y(); ++y) {
         const Row row(l.size, y, z);
         along_row(l.size.x(), 0, 1, [&](int x, int west, int east) {
@@ -129,7 +129,7 @@ void Multigrid::smooth(Level& l, bool forward, const Work& work) {
   for (int k = 0; k < colors; ++k) {
     const int color = forward ? k : colors - 1 - k, parity = color % 2, seams = color / 2;
     work.parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
-      for (int z = begin; z < static_cast<int>(end); ++z)
+      for (int z = begin, stop = end; z < stop; ++z)
         for (int y = 0; y < n.y(); ++y) {
           const int count = last(1, y) + last(2, z), offset = (y + z + parity) % 2;
           const Row row(n, y, z);
@@ -174,7 +174,7 @@ void Multigrid::restrict_residual(const Level& fine, Level& coarse, const Work& 
 void Multigrid::correct(Level& fine, const Level& coarse, const Work& work) {
   const Vec3i& n = fine.size;
   work.parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
-    for (int z = begin; z < static_cast<int>(end); ++z)
+    for (int z = begin, stop = end; z < stop; ++z)
       for (int y = 0; y < n.y(); ++y) {
         float* to = fine.x.data() + voxel_at(0, y, z, n);
         const float* from = coarse.x.data() + voxel_at(0, y / 2, z / 2, coarse.size);
@@ -201,7 +201,7 @@ void Multigrid::cycle(std::size_t level, const Work& work) {
 void Multigrid::precondition(const std::vector<double>& r, std::vector<float>& z, const Work& work) {
   Level& l = levels_[0];
   each(r.size(), work, [&](std::size_t i) {
-    l.b[i] = static_cast<float>(r[i]);
+    l.b[i] = r[i];
     l.x[i] = 0;
   });
   cycle(0, work.quiet());
@@ -214,7 +214,7 @@ void Multigrid::apply(const std::vector<T>& x, std::vector<double>& y, const Wor
   const Vec3i& n = l.size;
   work.quiet().parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
     const float *gx = l.face[0].data(), *gy = l.face[1].data(), *gz = l.face[2].data();
-    for (int z = begin; z < static_cast<int>(end); ++z)
+    for (int z = begin, stop = end; z < stop; ++z)
       for (int j = 0; j < n.y(); ++j) {
         const Row row(n, j, z);
         along_row(n.x(), 0, 1, [&](int i, int west, int east) {

@@ -208,7 +208,7 @@ PhaseMap halved(const PhaseMap& map, const Work& work) {
   out.phase.resize(voxels_in(m));
   const auto source = [&](int i, int a) { return std::min(n[a] - 1, round_down((i + 0.5) * n[a] / m[a])); };
   work.parallel(m.z(), 4, [&](std::size_t begin, std::size_t end) {
-    for (int z = begin; z < static_cast<int>(end); ++z)
+    for (int z = begin, stop = end; z < stop; ++z)
       for (int y = 0; y < m.y(); ++y)
         for (int x = 0; x < m.x(); ++x)
           out.phase[voxel_at(x, y, z, m)] = map.phase[voxel_at(source(x, 0), source(y, 1), source(z, 2), n)];
