@@ -23,6 +23,7 @@
 #include "tests/nodes/volumes/load_volume/nifti_file.h"
 #include "tests/support/png_file.h"
 #include "tests/support/tiff_file.h"
+#include "tests/support/zip_file.h"
 
 namespace terrazzo::torture {
 namespace {
@@ -119,6 +120,8 @@ void stored_pictures(Writer& w) {
   w.text("LoadVolume.tif", "a.tif", test::tiff_file({stack}));
   w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, plane, bits}));
   w.text("LoadVolume.tif", "a.tif", test::tiff_file({plane, plane}, {true, true}));
+  const std::string bare = test::tiff_file({bits});
+  test::write_zip(w.place("LoadVolume.zip", "a.zip"), {{"a/1.tif", bare}, {"a/2.tif", bare}});
   w.text("LoadImage.png", "a.png",
          test::png_file({1, 1, 8, 2, "abc",
                          png_chunk("gAMA", test::png_number(55556)) + png_chunk("cICP", {12, 13, 0, 1})}));

@@ -62,7 +62,8 @@ void run_node(const std::string& name, const fs::path& file, bool other_choice) 
     std::string why;
     if (p) written[parameter] = read_parameter(*p, read_written(text), why).value();
   };
-  if (name == "LoadVolume" && (file.extension() == ".tif" || file.extension() == ".npy")) set("spacing", "1");
+  for (const char* bare : {".tif", ".npy", ".zip"})
+    if (name == "LoadVolume" && file.extension() == bare) set("spacing", "1");
   if (other_choice) set("repair", "true");
   if (other_choice && name == "LoadLabels") set("kind", "classes");
   for (const auto& p : request.files) written[p.first] = p.second[0].string();

@@ -12,7 +12,6 @@ struct ForeignFormat {
   std::string_view beginning, what, hint;
 };
 constexpr ForeignFormat kForeign[] = {
-    {"PK\3\4", "a zip archive, such as .npz", "extract it, and name one .npy file"},
     {"\x1f\x8b", "compressed by gzip", "decompress it first; only NIfTI files are read as .gz"},
     {"BZh", "compressed by bzip2", "decompress it first"},
     {"# vtk DataFile", "a VTK file of the legacy format", "save it as image data, .vti, in ParaView"},

@@ -11,6 +11,7 @@
 #include "nodes/volumes/load_volume/slices.h"
 #include "nodes/volumes/load_volume/vdb.h"
 #include "nodes/volumes/load_volume/vti.h"
+#include "nodes/volumes/load_volume/zip.h"
 #include "runtime/context.h"
 
 namespace terrazzo::load_volume {
@@ -38,8 +39,12 @@ constexpr ScanFormat kScanFormats[] = {{"NIfTI", is_nifti, read_nifti},
 
 SliceOptions slice_choice(const Context& c) { return {page_choice(c), c.text("order") == "stored"}; }
 
-LoadedScan read(const std::vector<std::filesystem::path>& files, const SliceOptions& slices, const Work& work,
-                const Reading& reading) {
+LoadedScan read(const std::vector<std::filesystem::path>& files, const std::string& entry,
+                const SliceOptions& slices, const Work& work, const Reading& reading) {
+  if (is_zip(files[0])) {
+    require_one(files, "zip");
+    return read_zip(files[0], entry, slices, work, reading);
+  }
   for (const ScanFormat& format : kScanFormats)
     if (format.is(files[0])) {
       require_one(files, format.name);
@@ -57,7 +62,8 @@ LoadedScan read(const std::vector<std::filesystem::path>& files, const SliceOpti
 
 // The files that are opened along with the named one.
 std::vector<std::filesystem::path> companions(const std::filesystem::path& path) {
-  if (is_vdb(path) || is_vti(path) || is_hdf5(path) || is_npy(path) || is_dicom(path)) return {};
+  if (is_vdb(path) || is_vti(path) || is_hdf5(path) || is_npy(path) || is_dicom(path) || is_zip(path))
+    return {};
   if (is_nrrd(path)) return nrrd_companions(path);
   if (is_metaimage(path)) return metaimage_companions(path);
   return nifti_companions(path);
@@ -200,7 +206,7 @@ void compute(Context& c) {
     c.output("volume", std::move(volume));
     return;
   }
-  LoadedScan scan = read(files, slice_choice(c), c.work().part(0, 0.7), reading_of(c));
+  LoadedScan scan = read(files, c.text("entry"), slice_choice(c), c.work().part(0, 0.7), reading_of(c));
   for (const auto& note : scan.notes) c.warn(note);
   const Vec3 spacing = spacing_of(c, scan);
   const Rescale rescale = rescale_of(c, scan);
@@ -230,7 +236,7 @@ NodeType load_volume_node() {
   return NodeType("LoadVolume", 4)
       .doc_(
           "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, NRRD, MetaImage, MRC, a NumPy array, a "
-          "DICOM series, or a stack of gray images.")
+          "DICOM series, or a stack of gray images, which may be in a zip archive.")
       .source_(
           "OpenVDB, libnifti, DCMTK, OpenImageIO, VTK XML 1.0, DREAM3D file version 7.0, NumPy .npy, "
           "NRRD 5, MetaIO, MRC 2014")
@@ -275,6 +281,10 @@ NodeType load_volume_node() {
           Parameter::choice("order", "described", {"described", "stored"})
               .doc_("Images: which pages of a file are its slices. described: those that the metadata of "
                     "ImageJ, OME or tifffile say, else all. stored: all, in the order of the file."))
+      .parameter(Parameter::text("entry", "")
+                     .doc_("Zip archives: glob of the pictures to read, such as `gray/*.tif`, in the natural "
+                           "order of their names. Empty: all, which must be one volume: one file with pages, "
+                           "or slices in one folder whose names differ in a number."))
       .companion_files_(companions)
       .compute_(compute);
 }

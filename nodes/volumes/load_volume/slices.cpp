@@ -103,20 +103,26 @@ void append_page(const PictureContent& content, const ChosenPage& chosen, Loaded
 
 }  // namespace
 
-LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const SliceOptions& choice,
-                       const Work& work, const Reading& reading) {
+LoadedScan read_slices(std::size_t count, const std::function<PictureContent(std::size_t)>& picture,
+                       const SliceOptions& choice, const Work& work, const Reading& reading) {
   LoadedScan scan;
-  for (std::size_t i = 0; i < paths.size(); ++i) {
-    const PictureContent content = checked_picture(paths[i], reading);
-    const auto slices = choose_slices(content.pages, choice.choice, choice.stored_order, paths[i]);
-    if (paths.size() == 1 && content.pages.spacing) scan.spacing = *content.pages.spacing;
+  for (std::size_t i = 0; i < count; ++i) {
+    const PictureContent content = picture(i);
+    const auto slices = choose_slices(content.pages, choice.choice, choice.stored_order, content.path);
+    if (count == 1 && content.pages.spacing) scan.spacing = *content.pages.spacing;
     for (const auto& slice : slices) {
       work.check();
       append_page(content, slice, scan, reading);
     }
-    work.done(i + 1, paths.size());
+    work.done(i + 1, count);
   }
   return scan;
+}
+
+LoadedScan read_slices(const std::vector<std::filesystem::path>& paths, const SliceOptions& choice,
+                       const Work& work, const Reading& reading) {
+  return read_slices(
+      paths.size(), [&](std::size_t i) { return checked_picture(paths[i], reading); }, choice, work, reading);
 }
 
 }  // namespace terrazzo::load_volume

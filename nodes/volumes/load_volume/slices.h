@@ -1,7 +1,9 @@
 // Volumes from gray images: one slice per file, or the pages of one file.
 #pragma once
 
-#include "nodes/common/io/picture_pages.h"
+#include <functional>
+
+#include "nodes/common/io/pictures/picture_content.h"
 #include "nodes/volumes/load_volume/scan.h"
 
 namespace terrazzo::load_volume {
@@ -17,5 +19,8 @@ struct SliceOptions {
 // "several-channels".
 LoadedScan read_slices(const std::vector<std::filesystem::path>&, const SliceOptions& = {}, const Work& = {},
                        const Reading& = {});
+// The same for `count` pictures, which picture(i) reads.
+LoadedScan read_slices(std::size_t count, const std::function<PictureContent(std::size_t)>& picture,
+                       const SliceOptions&, const Work&, const Reading&);
 
 }  // namespace terrazzo::load_volume

@@ -50,10 +50,19 @@ Error unsupported_picture(const std::filesystem::path& path, const std::string& 
 }
 
 PictureContent checked_picture(const std::filesystem::path& path, const Reading& reading) {
+  try {
+    return checked_picture(path, read_whole(path, reading), reading);
+  } catch (Error& e) {
+    if (e.diagnostic().code == "unreadable-file") throw unreadable_picture(path, e.diagnostic().message);
+    throw e.parameter("path");
+  }
+}
+
+PictureContent checked_picture(const std::filesystem::path& path, std::string bytes, const Reading& reading) {
   PictureContent c;
   c.path = path;
+  c.bytes = std::move(bytes);
   try {
-    c.bytes = read_whole(path, reading);
     c.format = picture_format(c.bytes);
     if (c.format.empty()) {
       const std::string other = other_format(c.bytes);
@@ -68,8 +77,7 @@ PictureContent checked_picture(const std::filesystem::path& path, const Reading&
     check_structure(c, reading);
     c.pages = pages_of(c.bytes, c.format, path.filename().string());
   } catch (Error& e) {
-    if (e.diagnostic().code == "unreadable-file" ||
-        (e.diagnostic().code == "unreadable-image" && e.diagnostic().parameter.empty()))
+    if (e.diagnostic().code == "unreadable-image" && e.diagnostic().parameter.empty())
       throw unreadable_picture(path, e.diagnostic().message);
     throw e.parameter("path");
   }

@@ -21,6 +21,8 @@ struct PictureContent {
 // its structure. A truncated file is an error; other defects become warnings. Throws Error
 // "unreadable-image", "unsupported-image" or "too-large".
 PictureContent checked_picture(const std::filesystem::path&, const Reading&);
+// The same for a file whose content is `bytes`.
+PictureContent checked_picture(const std::filesystem::path&, std::string bytes, const Reading&);
 
 Error unreadable_picture(const std::filesystem::path&, const std::string& why);
 // For pictures that are valid, but of a kind that Terrazzo does not read. `what` follows the file's name.
