@@ -5,7 +5,9 @@
 #include <map>
 #include <sstream>
 
+#include "nodes/data/table.h"
 #include "nodes/data/volume.h"
+#include "runtime/random.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/readers.h"
 #include "tests/support/run_node.h"
@@ -51,7 +53,8 @@ std::string material(const std::string& set, const Elastic& e) {
 
 // Stresses at the integration points of each element.
 std::map<int, std::vector<Stress>> solve(const fs::path& folder, const std::string& materials,
-                                         const std::string& boundary, bool periodic) {
+                                         const std::string& boundary, bool periodic,
+                                         std::size_t elements = kX * kY * kZ) {
   std::ofstream(folder / "job.inp") << "*INCLUDE, INPUT=mesh.inp\n"
                                     << (periodic ? "*INCLUDE, INPUT=mesh_periodic.inp\n" : "") << materials
                                     << "*STEP\n*STATIC\n*BOUNDARY\n"
@@ -67,7 +70,7 @@ std::map<int, std::vector<Stress>> solve(const fs::path& folder, const std::stri
     if (words >> element >> point >> s[0] >> s[1] >> s[2] >> s[3] >> s[4] >> s[5])
       stresses[element].push_back(s);
   }
-  EXPECT_EQ(stresses.size(), std::size_t{kX * kY * kZ}) << run.out;
+  EXPECT_EQ(stresses.size(), elements) << run.out;
   return stresses;
 }
 
@@ -140,6 +143,56 @@ TEST(CalculiX, StretchesAPeriodicBlockUniformly) {
       "CORNER_010, 3, 3, 0.\nCORNER_001, 1, 2, 0.\n";
   expect_uniform(solve(folder, material("BINDER", {1000, 0.3}), corners, true),
                  {1000 * 0.002 / kLength, 0, 0, 0, 0, 0});
+}
+
+// A periodic cube of 8³ voxels, of which a third are particles at random.
+Volume random_cube(int n) {
+  initialize_openvdb();
+  auto id = openvdb::Int32Grid::create(-1);
+  id->setName("id");
+  id->setTransform(voxel_transform(0.5));
+  for (int i = 0; i < n * n * n; ++i)
+    if (Random(1, 1, i).uniform() < 1.0 / 3)
+      id->tree().setValue(openvdb::Coord(i % n, i / n % n, i / n / n), 0);
+  Volume v;
+  v.resolution = Vec3i(n, n, n);
+  v.grids = {id};
+  return v;
+}
+
+// Every entry of the effective stiffness, from the same trilinear elements.
+TEST(CalculiX, FindsTheStiffnessOfHomogenize) {
+  if (!test::has_program("ccx"))
+    GTEST_SKIP() << "calculix-ccx is not installed; ./dev test --all installs it";
+  constexpr int kEdge = 8;
+  const Volume cube = random_cube(kEdge);
+  const auto ours = test::run_node(
+      "Homogenize", {{"volume", Value::of(cube)}},
+      {{"property", "stiffness"}, {"values", "[1000, 0.3, 20000, 0.2]"}, {"tolerance", "1e-6"}});
+  const Table& tensor = ours.output<Table>("tensor");
+  const fs::path folder = mesh_of(cube);
+  const std::string materials = material("BINDER", {1000, 0.3}) + material("PARTICLES", {20000, 0.2});
+  constexpr std::array<std::array<int, 2>, 6> kVoigt = {{{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}}};
+  constexpr std::array<int, 6> kPrinted = {0, 1, 2, 5, 4, 3};  // CalculiX's place of Voigt's entries
+  for (int load = 0; load < 6; ++load) {
+    const auto [a, b] = kVoigt[load];
+    Mat3 strain = Mat3::Zero();
+    strain(a, b) = strain(b, a) = a == b ? 0.001 : 0.0005;
+    std::ostringstream corners;
+    corners << "CORNER_000, 1, 3, 0.\n";
+    for (int axis = 0; axis < 3; ++axis)
+      for (int c = 0; c < 3; ++c)
+        corners << "CORNER_" << (axis == 0) << (axis == 1) << (axis == 2) << ", " << c + 1 << ", " << c + 1
+                << ", " << strain(c, axis) * 0.5 * kEdge << "\n";
+    Stress mean{};
+    for (const auto& [element, points] : solve(folder, materials, corners.str(), true, kEdge * kEdge * kEdge))
+      for (const Stress& s : points)
+        for (int k = 0; k < 6; ++k) mean[k] += s[k] / (8.0 * kEdge * kEdge * kEdge);
+    for (int k = 0; k < 6; ++k)
+      EXPECT_NEAR(mean[kPrinted[k]] / 0.001, std::get<double>(tensor.rows[k][load]),
+                  2e-5 * std::get<double>(tensor.rows[0][0]))
+          << k << ", " << load;
+  }
 }
 
 TEST(Meshio, ReadsTheMeshAndItsSets) {
