@@ -1,12 +1,11 @@
 #include "nodes/bodies/cutting/section.h"
 
-#include <opencv2/imgproc.hpp>
-
 #include <algorithm>
 #include <cmath>
 
 #include "nodes/bodies/cutting/cut.h"
 #include "nodes/bodies/cutting/raster.h"
+#include "nodes/bodies/cutting/soften.h"
 #include "nodes/data/indices.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"
@@ -61,21 +60,6 @@ struct Canvas {
   std::vector<float> share;  // of the owner
 };
 
-// Blurs the flat colors and the cover as the photograph blurs outlines. `sigma`: pixels.
-void soften(Vec3f* pixels, Canvas& canvas, const PixelGrid& grid, double sigma) {
-  if (sigma < 0.2) return;
-  const int margin = round_up(4 * sigma);
-  const auto blur = [&](int type, void* data) {
-    cv::Mat flat(grid.height, grid.width, type, data), wide;
-    cv::copyMakeBorder(flat, wide, margin, margin, margin, margin,
-                       grid.wrap ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
-    cv::GaussianBlur(wide, wide, {0, 0}, sigma);
-    wide(cv::Rect(margin, margin, grid.width, grid.height)).copyTo(flat);
-  };
-  blur(CV_32FC3, pixels);
-  blur(CV_32F, canvas.cover.data());
-}
-
 // Adds the detail of particles and binder to encoded colors, in proportion to their share of each pixel.
 void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, const SectionPlane& plane,
                 const residual::ResidualField& detail, const Work& work) {
@@ -121,7 +105,7 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
   }
   if (!detail) return;
   if (flat && out.image.sections == 1) flat(out.image);
-  soften(&out.image.pixels[section * pixels], canvas, grid, softness / grid.mm_x);
+  soften(&out.image.pixels[section * pixels], canvas.cover.data(), grid, softness / grid.mm_x);
   add_detail(&out.image.pixels[section * pixels], canvas, grid, plane, *detail, work);
 }
 

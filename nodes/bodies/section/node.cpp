@@ -7,7 +7,7 @@
 #include "graph/node_type.h"
 #include "nodes/bodies/cutting/cut.h"
 #include "nodes/bodies/cutting/section.h"
-#include "nodes/bodies/section/volume_section.h"
+#include "nodes/bodies/cutting/volume_section.h"
 #include "nodes/data/detail.h"
 #include "nodes/detail/residual/residual_field.h"
 #include "runtime/context.h"

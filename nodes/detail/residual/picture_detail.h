@@ -18,6 +18,7 @@ struct PicturePlane {
   double mm_x = 1, mm_y = 1;  // of a pixel
   bool wrap = false;          // opposite edges join
   Vec3 origin = Vec3::Zero(), right = Vec3::UnitX(), up = Vec3::UnitY();
+  std::span<const float> above = {};  // height of each pixel along right × up, mm; empty: 0
 };
 
 // Adds the detail to scene-linear pixels, row by row from the top. `ids`: 0 outside of particles, any numbers

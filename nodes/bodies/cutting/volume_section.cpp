@@ -1,4 +1,4 @@
-#include "nodes/bodies/section/volume_section.h"
+#include "nodes/bodies/cutting/volume_section.h"
 
 #include <openvdb/tools/Interpolation.h>
 
