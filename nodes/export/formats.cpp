@@ -4,13 +4,24 @@
 #include <filesystem>
 
 #include "graph/diagnostic.h"
+#include "nodes/export/formats/material_maps.h"
 #include "nodes/export/writers.h"
 
 namespace terrazzo::exporting {
 
+namespace {
+
+std::vector<std::string> with_maps(std::vector<std::string> types) {
+  for (const MapName& map : kMaps) types.push_back(map.name);
+  return types;
+}
+
+}  // namespace
+
 const std::vector<Format>& formats() {
   static const std::vector<Format> all = {
-      {".glb", {"Particles", "Shapes", "Image"}, {"Shapes"}, true, write_glb_file},
+      {".glb", with_maps({"Particles", "Shapes", "Image"}), {}, true, write_glb_file},
+      {".mtlx", with_maps({}), {"base_color"}, true, write_materialx_file},
       {".usda", {"Particles", "Shapes", "Volume"}, {"Shapes"}, true, write_scene},
       {".xml", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true, write_scene},
       {".pbrt", {"Particles", "Shapes", "Volume"}, {"Shapes", "Particles"}, true, write_scene},
@@ -22,11 +33,11 @@ const std::vector<Format>& formats() {
       {".npy", {"Volume", "Labels"}, {}, false, write_npy_file},
       {".nii.gz", {"Volume"}, {}, false, write_nifti_file},
       {".nii", {"Volume"}, {}, false, write_nifti_file},
-      {".png", {"Image", "Labels"}, {}, false, write_pictures},
-      {".tif", {"Image", "Labels"}, {}, false, write_pictures},
-      {".exr", {"Image", "Labels"}, {}, false, write_pictures},
-      {".jpg", {"Image"}, {}, false, write_pictures},
-      {".hdr", {"Image"}, {}, false, write_pictures},
+      {".png", with_maps({"Image", "Labels"}), {}, false, write_pictures},
+      {".tif", with_maps({"Image", "Labels"}), {}, false, write_pictures},
+      {".exr", with_maps({"Image", "Labels"}), {}, false, write_pictures},
+      {".jpg", {"Image", "base_color"}, {}, false, write_pictures},
+      {".hdr", {"Image", "base_color"}, {}, false, write_pictures},
       {".csv",
        {"Table", "Profiles", "Particles", "SizeDistribution", "KMatrix", "Shapes"},
        {},
@@ -81,15 +92,18 @@ void check_fit(const Format& format, const std::map<std::string, Value>& values)
   if (values.size() > 1 && !format.several)
     throw Error("format-does-not-fit", holds + ", but only one of them", "use one Export node for each")
         .parameter("path");
-  for (const std::string& type : format.required) {
-    if (values.count(type)) continue;
-    if (type == "Shapes")
-      throw Error("no-shapes",
-                  "particles are written as instances of their shapes, but 'shapes' is not connected",
-                  "connect the shapes used in the packing");
-    throw Error("missing-input", "a " + format.extension + " file needs a value of type " + type,
-                "connect it, or change the extension");
-  }
+  for (const std::string& type : format.required) require_value(format, values, type);
+}
+
+void require_value(const Format& format, const std::map<std::string, Value>& values,
+                   const std::string& type) {
+  if (values.count(type)) return;
+  if (type == "Shapes")
+    throw Error("no-shapes",
+                "particles are written as instances of their shapes, but 'shapes' is not connected",
+                "connect the shapes used in the packing");
+  throw Error("missing-input", "a " + format.extension + " file needs " + type,
+              "connect it, or change the extension");
 }
 
 std::string beside(const std::string& path, const Format& format, const std::string& end) {

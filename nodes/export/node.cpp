@@ -11,6 +11,8 @@ std::map<std::string, Value> connected(const Context& c) {
   std::map<std::string, Value> values;
   for (const Input& in : kInputs)
     if (c.has(in.name)) values[in.type] = c.value(in.name);
+  for (const MapName& map : kMaps)
+    if (c.has(map.name)) values[map.name] = c.value(map.name);
   if (c.has("value")) {
     const Value& v = c.value("value");
     if (!values.emplace(v.type().name, v).second)
@@ -38,19 +40,23 @@ NodeType export_node() {
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
-          "glTF 2.0 with EXT_mesh_gpu_instancing; OpenUSD; OpenVDB; VTK XML 1.0; DREAM3D file version 7.0; "
+          "glTF 2.0 with EXT_mesh_gpu_instancing; MaterialX 1.38 and 1.39; OpenUSD; OpenVDB; VTK XML 1.0; "
+          "DREAM3D file version 7.0; "
           "NIfTI-1; "
           "Abaqus keywords; Gmsh MSH 2.2; NanoVDB 32; Mitsuba 3; pbrt-v4; OpenImageIO; RFC 4180");
   for (const Input& in : kInputs) type.optional_input(in.name, {in.type}, in.doc);
+  for (const MapName& map : kMaps) type.optional_input(map.name, {"Image"}, map.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
       .parameter(Parameter::output_path("path").doc_(
           "File to write: .glb (particles with shapes, or shapes, with colors or a texture if they have "
-          "them), .usda (particles with shapes, or shapes, and a volume as .vdb beside it), .xml, .pbrt "
+          "them, or texture maps on a plane), .mtlx (texture maps, which are written beside it), .usda "
+          "(particles with shapes, or shapes, and a volume as .vdb beside it), .xml, .pbrt "
           "(scenes for Mitsuba 3 and pbrt-v4: particles with shapes, and a volume as the medium of the "
           "binder), .vdb, .nvdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "
           "voxels), .msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one "
           "grid of a volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr "
-          "(images; a stack becomes name_000, name_001, …), .png, .tif, .exr (labels, as exact ids), .csv "
+          "(images; a stack becomes name_000, name_001, …; .png, .tif, .exr: also one texture map), .png, "
+          ".tif, .exr (labels, as exact ids), .csv "
           "(tables, profiles, particles, distributions, K matrices, shapes), .json (any type), .obj, .ply, "
           ".stl (shapes)."))
       .parameter(
@@ -85,6 +91,8 @@ NodeType export_node() {
               .doc_(
                   ".msh and .stl of a volume: how often each node moves toward the mean of its neighbors on "
                   "the same surface, by at most half a voxel in all. 0: faces of voxels."))
+      .parameter(Parameter::choice("shader", "standard_surface", {"standard_surface", "open_pbr_surface"})
+                     .doc_(".mtlx: standard_surface: MaterialX 1.38. open_pbr_surface: MaterialX 1.39."))
       .parameter(Parameter::choice("compression", "zlib", {"zlib", "none"})
                      .doc_(".vti, .dream3d: compression of the voxels."))
       .writes_files_()

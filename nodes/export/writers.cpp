@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/formats/csv.h"
 #include "nodes/export/formats/gltf.h"
+#include "nodes/export/formats/materialx_file.h"
 #include "nodes/export/formats/mesh_file.h"
 #include "nodes/export/formats/nifti_file.h"
 #include "nodes/export/formats/npy_file.h"
@@ -71,6 +73,12 @@ Volume grids_for_nvdb(Context& c, const Volume& volume) {
 
 }  // namespace
 
+MaterialMaps Job::maps() const {
+  MaterialMaps out;
+  for (const MapName& map : kMaps) out.*map.image = find<Image>(map.name);
+  return out;
+}
+
 void write_csv_file(const Job& job) {
   write_named(job.context, job.path,
               [&](const fs::path& file) { write_bytes(file, csv_of_value(job.only())); });
@@ -82,6 +90,15 @@ void write_dream3d_file(const Job& job) {
 
 void write_glb_file(const Job& job) {
   Context& c = job.context;
+  const MaterialMaps maps = job.maps();
+  if (std::any_of(kMaps.begin(), kMaps.end(), [&](const MapName& map) { return maps.*map.image; })) {
+    if (job.find<Shapes>("Shapes") || job.find<Image>("Image") || job.particles())
+      throw Error("format-does-not-fit", "texture maps are shown on a plane, not on shapes or particles",
+                  "use one Export node for each")
+          .parameter("path");
+    return write_named(c, job.path, [&](const fs::path& file) { write_glb(file, maps, c.provenance()); });
+  }
+  require_value(job.format, job.values, "Shapes");
   const Shapes& shapes = *job.find<Shapes>("Shapes");
   const Image* texture = job.find<Image>("Image");
   const Particles* particles = job.particles();
@@ -104,6 +121,21 @@ void write_inp_file(const Job& job) {
 void write_json_file(const Job& job) {
   write_named(job.context, job.path,
               [&](const fs::path& file) { write_bytes(file, json_text_of(job.values)); });
+}
+
+void write_materialx_file(const Job& job) {
+  Context& c = job.context;
+  const MaterialMaps maps = job.maps();
+  const std::string made_by = c.provenance();
+  for (const MapName& map : kMaps) {
+    c.work().check();
+    if (const Image* image = maps.*map.image)
+      write_named(c, (fs::path(job.path).parent_path() / map.file).string(),
+                  [&](const fs::path& file) { write_map(file, map, *image, made_by); });
+  }
+  write_named(c, job.path, [&](const fs::path& file) {
+    write_materialx(file, maps, c.choice<SurfaceShader>("shader"), made_by);
+  });
 }
 
 void write_mesh_file(const Job& job) {
@@ -136,7 +168,12 @@ void write_nvdb_file(const Job& job) {
 
 void write_pictures(const Job& job) {
   if (const Image* image = job.find<Image>("Image")) return write_sections(job, *image, write_picture);
-  write_sections(job, *job.find<Labels>("Labels"), write_labels);
+  if (const Labels* labels = job.find<Labels>("Labels")) return write_sections(job, *labels, write_labels);
+  const MaterialMaps maps = job.maps();
+  for (const MapName& map : kMaps)
+    if (const Image* image = maps.*map.image)
+      write_named(job.context, job.path,
+                  [&](const fs::path& file) { write_map(file, map, *image, job.context.provenance()); });
 }
 
 void write_scene(const Job& job) {

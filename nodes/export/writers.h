@@ -8,6 +8,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/formats.h"
+#include "nodes/export/formats/material_maps.h"
 #include "runtime/context.h"
 
 namespace terrazzo::exporting {
@@ -36,7 +37,7 @@ struct Job {
   Context& context;
   std::string path;  // below the output folder
   const Format& format;
-  std::map<std::string, Value> values;  // by type name
+  std::map<std::string, Value> values;  // by type name, and texture maps by the name of their input
 
   // Null if no value of this type is connected.
   template <class T>
@@ -46,6 +47,7 @@ struct Job {
   }
   const Particles* particles() const { return find<Particles>("Particles"); }
   const Volume* volume() const { return find<Volume>("Volume"); }
+  MaterialMaps maps() const;
   const Value& only() const { return values.begin()->second; }  // of formats that hold one value
 };
 
@@ -55,8 +57,9 @@ void write_dream3d_file(const Job&);
 void write_glb_file(const Job&);  // also "no-uv"
 void write_inp_file(const Job&);
 void write_json_file(const Job&);
-void write_mesh_file(const Job&);   // .obj, .ply
-void write_nifti_file(const Job&);  // .nii, .nii.gz
+void write_materialx_file(const Job&);  // also the maps beside it
+void write_mesh_file(const Job&);       // .obj, .ply
+void write_nifti_file(const Job&);      // .nii, .nii.gz
 void write_npy_file(const Job&);
 void write_nvdb_file(const Job&);
 void write_pictures(const Job&);  // .png, .tif, .exr, .jpg, .hdr; one file per section

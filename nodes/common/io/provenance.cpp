@@ -67,7 +67,7 @@ std::string read_provenance(const std::filesystem::path& path) {
   if (extension == ".dream3d") return from_dream3d(path, reading);
   if (extension == ".vti") return provenance_in_vti(path);
   if (extension == ".usda") return provenance_in_usda(path);
-  if (extension == ".xml" || extension == ".pbrt") return provenance_in_scene(path);
+  if (extension == ".xml" || extension == ".pbrt" || extension == ".mtlx") return provenance_in_scene(path);
   if (extension == ".inp") return provenance_in_inp(path);
   if (extension == ".nii" || extension == ".gz") return provenance_in_nifti(path);
   return picture_text(path, "ImageDescription", reading);

@@ -98,8 +98,7 @@ int GltfPacker::material(const std::string& name, const Vec3f& color) {
   return count_of(model.materials) - 1;
 }
 
-int GltfPacker::textured_material(const std::string& name, const Image& texture) {
-  const std::string png = png_of(texture);
+int GltfPacker::texture(const std::string& name, const std::string& png) {
   tinygltf::Image image;
   image.name = name;
   image.mimeType = "image/png";
@@ -108,8 +107,12 @@ int GltfPacker::textured_material(const std::string& name, const Image& texture)
   tinygltf::Texture t;
   t.source = count_of(model.images) - 1;
   model.textures.push_back(t);
+  return count_of(model.textures) - 1;
+}
+
+int GltfPacker::textured_material(const std::string& name, const Image& image) {
   const int at = material(name, Vec3f::Ones());
-  model.materials.back().pbrMetallicRoughness.baseColorTexture.index = count_of(model.textures) - 1;
+  model.materials.back().pbrMetallicRoughness.baseColorTexture.index = texture(name, png_of(image));
   return at;
 }
 

@@ -32,6 +32,8 @@ class GltfPacker {
   tinygltf::Primitive primitive(const Shape&, bool textured = false);
   // A rough, not metallic material with that texture, as a PNG image inside the file.
   int textured_material(const std::string& name, const Image& texture);
+  // A texture of a PNG file's bytes.
+  int texture(const std::string& name, const std::string& png);
   int mesh(const std::string& name, const tinygltf::Primitive&);
   int node(tinygltf::Node);
   // Adds a node to the scene.

@@ -8,7 +8,6 @@
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/io/image_file.h"
-#include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/indices.h"
 
@@ -66,7 +65,17 @@ std::string png_of(const Image& image) {
   encoding.width = image.width;
   encoding.height = image.height;
   encoding.attributes = {{"oiio:ColorSpace", "sRGB"}};
-  return encode("image.png", encoding, bytes.data());
+  return encoded_png(encoding, bytes.data());
+}
+
+void write_samples(const std::filesystem::path& path, const PictureEncoding& encoding, const void* samples) {
+  const std::string bytes = encode(path, encoding, samples);
+  if (!bytes.empty()) write_bytes(path, bytes);
+  verify(path);
+}
+
+std::string encoded_png(const PictureEncoding& encoding, const void* samples) {
+  return encode("image.png", encoding, samples);
 }
 
 void write_labels(const std::filesystem::path& path, const Labels& labels, int section,
@@ -92,16 +101,10 @@ void write_labels(const std::filesystem::path& path, const Labels& labels, int s
   encoding.attributes = {{"oiio:ColorSpace", "Raw"}};  // no gamma chunk: these are ids, not intensities
   if (!png) encoding.attributes.emplace_back("compression", "zip");
   if (!provenance.empty()) encoding.attributes.emplace_back("ImageDescription", provenance);
-  std::string bytes;
-  if (png) {
-    const std::vector<std::uint16_t> narrow(ids, ids + count);
-    bytes = encode(path, encoding, narrow.data());
-  } else {
-    const std::vector<std::uint32_t> wide(ids, ids + count);
-    bytes = encode(path, encoding, wide.data());
-  }
-  if (!bytes.empty()) write_bytes(path, bytes);
-  verify(path);
+  if (png)
+    write_samples(path, encoding, std::vector<std::uint16_t>(ids, ids + count).data());
+  else
+    write_samples(path, encoding, std::vector<std::uint32_t>(ids, ids + count).data());
 }
 
 std::string section_name(const std::string& path, int section, int sections) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 
+#include "nodes/common/io/pictures/picture_codec.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 
@@ -18,6 +19,11 @@ void write_picture(const std::filesystem::path&, const Image&, int section,
 // The first section as a PNG file of 8 bits per channel, sRGB-encoded. Throws Error "empty-image",
 // "write-failed".
 std::string png_of(const Image&);
+
+// Encodes samples as the encoding says, writes them and reads the file back. Throws Error "write-failed".
+void write_samples(const std::filesystem::path&, const PictureEncoding&, const void* samples);
+// The same as the bytes of a PNG file.
+std::string encoded_png(const PictureEncoding&, const void* samples);
 
 // Writes the ids of one section as exact integers in one channel, without color space: .png 16 bit, .tif and
 // .exr 32 bit. Throws Error "too-many-labels" (an id above 65535 in a .png), "empty-labels", "bad-labels" (a

@@ -1,0 +1,146 @@
+#include "nodes/export/formats/material_maps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "nodes/common/io/pictures/picture_codec.h"
+#include "nodes/data/indices.h"
+#include "nodes/export/formats/gltf_packer.h"
+#include "nodes/export/formats/picture_file.h"
+
+namespace terrazzo::exporting {
+namespace {
+
+void require_finite(const MapName& map, const Image& image) {
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (!image.pixels[i].allFinite())
+      throw Error("bad-pixels", fmt::format("{} contains NaN or infinity at column {}, row {}", map.name,
+                                            i % image.width, i / image.width));
+}
+
+// Values of the first `channels` channels, from 0 to `top`.
+template <class T>
+std::vector<T> rounded(const Image& image, int channels, float top) {
+  std::vector<T> out;
+  out.reserve(image.pixels.size() * channels);
+  for (const Vec3f& p : image.pixels)
+    for (int k = 0; k < channels; ++k)
+      out.push_back(static_cast<T>(std::lround(std::clamp(p[k], 0.0f, 1.0f) * top)));
+  return out;
+}
+
+std::vector<float> floats(const Image& image, int channels) {
+  std::vector<float> out;
+  out.reserve(image.pixels.size() * channels);
+  for (const Vec3f& p : image.pixels) out.insert(out.end(), p.data(), p.data() + channels);
+  return out;
+}
+
+bool is(const MapName& map, const Image* MaterialMaps::*image) { return map.image == image; }
+
+std::string png_of(const Image& image, const std::vector<std::uint8_t>& bytes) {
+  PictureEncoding encoding;
+  encoding.width = image.width;
+  encoding.height = image.height;
+  encoding.attributes = {{"oiio:ColorSpace", "Raw"}};
+  return encoded_png(encoding, bytes.data());
+}
+
+// Occlusion, roughness and metalness in one picture, as glTF reads them. Missing maps: open, and 0.6.
+std::string packed_png(const MaterialMaps& maps) {
+  std::vector<std::uint8_t> bytes;
+  const auto byte = [&](const Image* map, std::size_t i, float otherwise) {
+    return static_cast<std::uint8_t>(
+        std::lround(255 * std::clamp(map ? map->pixels[i].x() : otherwise, 0.0f, 1.0f)));
+  };
+  for (std::size_t i = 0; i < maps.base_color->pixels.size(); ++i)
+    bytes.insert(bytes.end(), {byte(maps.occlusion, i, 1), byte(maps.roughness, i, 0.6f), 0});
+  return png_of(*maps.base_color, bytes);
+}
+
+// Two triangles that face up, with the picture's upper left corner at (0, 0).
+Shape plane(double width, double height) {
+  Shape s;
+  s.name = "plane";
+  s.mesh.vertices = {{-width / 2, -height / 2, 0},
+                     {width / 2, -height / 2, 0},
+                     {width / 2, height / 2, 0},
+                     {-width / 2, height / 2, 0}};
+  s.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  s.uv = {{Eigen::Vector2f(0, 1), Eigen::Vector2f(1, 1), Eigen::Vector2f(1, 0)},
+          {Eigen::Vector2f(0, 1), Eigen::Vector2f(1, 0), Eigen::Vector2f(0, 0)}};
+  return s;
+}
+
+void require_equal_sizes(const MaterialMaps& maps) {
+  if (!maps.base_color)
+    throw Error("missing-input", "a material needs the map base_color, which is not connected",
+                "connect TextureSet.base_color");
+  for (const MapName& map : kMaps)
+    if (const Image* image = maps.*map.image;
+        image && (image->width != maps.base_color->width || image->height != maps.base_color->height))
+      throw Error("size-mismatch",
+                  fmt::format("{} has {} × {} pixels, but base_color has {} × {}", map.name, image->width,
+                              image->height, maps.base_color->width, maps.base_color->height),
+                  "connect maps of the same TextureSet");
+}
+
+}  // namespace
+
+void write_map(const std::filesystem::path& path, const MapName& map, const Image& image,
+               const std::string& provenance) {
+  if (is(map, &MaterialMaps::base_color)) return write_picture(path, image, 0, provenance);
+  require_finite(map, image);
+  const std::string extension = path.extension().string();
+  const bool color = is(map, &MaterialMaps::normal) || is(map, &MaterialMaps::id);
+  const bool deep = is(map, &MaterialMaps::normal) || (extension == ".tif" && !color);
+  PictureEncoding encoding;
+  encoding.width = image.width;
+  encoding.height = image.height;
+  encoding.channels = color ? 3 : 1;
+  encoding.attributes = {{"oiio:ColorSpace", "Raw"}};  // no gamma: these are numbers, not colors
+  if (extension == ".exr") encoding.attributes.emplace_back("compression", "zip");
+  if (!provenance.empty()) encoding.attributes.emplace_back("ImageDescription", provenance);
+  if (extension == ".exr") {
+    encoding.sample = Sample::Float;
+    return write_samples(path, encoding, floats(image, encoding.channels).data());
+  }
+  if (is(map, &MaterialMaps::height))
+    throw Error("format-does-not-fit", "heights are in mm, but a " + extension + " file holds values up to 1",
+                "use .exr")
+        .parameter("path");
+  encoding.sample = deep ? Sample::UInt16 : Sample::UInt8;
+  if (deep)
+    return write_samples(path, encoding, rounded<std::uint16_t>(image, encoding.channels, 65535).data());
+  write_samples(path, encoding, rounded<std::uint8_t>(image, encoding.channels, 255).data());
+}
+
+void write_glb(const std::filesystem::path& path, const MaterialMaps& maps, const std::string& provenance) {
+  require_equal_sizes(maps);
+  const Image& base = *maps.base_color;
+  GltfPacker pack;
+  const int material = pack.textured_material("material", base);
+  tinygltf::Material& m = pack.model.materials[material];
+  m.pbrMetallicRoughness.roughnessFactor = 1;
+  m.pbrMetallicRoughness.metallicFactor = 1;
+  const int packed = pack.texture("occlusion_roughness_metallic", packed_png(maps));
+  m.pbrMetallicRoughness.metallicRoughnessTexture.index = packed;
+  if (maps.occlusion) m.occlusionTexture.index = packed;
+  if (maps.normal)
+    m.normalTexture.index = pack.texture("normal", png_of(base, rounded<std::uint8_t>(*maps.normal, 3, 255)));
+  const Shape shape = plane(base.width * base.pixel_size, base.height * base.pixel_size);
+  tinygltf::Primitive primitive = pack.primitive(shape, true);
+  std::vector<float> tangents;
+  for (int corner = 0; corner < 6; ++corner) tangents.insert(tangents.end(), {1, 0, 0, 1});
+  primitive.attributes["TANGENT"] = pack.floats(tangents, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
+  primitive.material = material;
+  tinygltf::Node node;
+  node.name = "material";
+  node.mesh = pack.mesh("plane", primitive);
+  pack.root(pack.node(std::move(node)));
+  pack.write(path, provenance);
+}
+
+}  // namespace terrazzo::exporting
