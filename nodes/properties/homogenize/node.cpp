@@ -151,20 +151,30 @@ std::optional<PhaseMap> coarse_map(const PhaseMap& map, bool cubes, const Work& 
   return half;
 }
 
-// How much the result differs from that at half the resolution, relative to its largest value. If the error
-// is proportional to the voxel's edge, this is the error (Richardson 1911).
-std::optional<double> voxel_error(Context& c, const PhaseMap& map, const Result& whole, const Work& work) {
-  const double largest = whole.effective.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) return {};
+// What was found at half the resolution, and in which phases.
+struct Half {
+  PhaseMap map;
+  Result result;
+};
+
+std::optional<Half> half_of(Context& c, const PhaseMap& map, const Work& work) {
   const auto half = coarse_map(map, c.choice<Property>("property") == Property::Stiffness, work.quiet());
   if (!half) return {};
   try {
-    return (whole.effective - solve_for(c, *half, work).effective).cwiseAbs().maxCoeff() / largest;
+    return Half{*half, solve_for(c, *half, work)};
   } catch (const Error& e) {
     if (e.diagnostic().code != "not-converged") throw;
     c.warn("there is no voxel_error, because at half the resolution " + e.diagnostic().message);
     return {};
   }
+}
+
+// How much the result differs from that at half the resolution, relative to its largest value. If the error
+// is proportional to the voxel's edge, this is the error (Richardson 1911).
+std::optional<double> voxel_error(const Result& whole, const std::optional<Half>& half) {
+  const double largest = whole.effective.cwiseAbs().maxCoeff();
+  if (!half || !(largest > 0)) return {};
+  return (whole.effective - half->result.effective).cwiseAbs().maxCoeff() / largest;
 }
 
 void add_scalar_measures(const Context& c, const PhaseMap& map, const Result& r, std::vector<Measure>& out) {
@@ -207,6 +217,17 @@ void add_elastic_measures(const Context& c, const PhaseMap& map, const Result& r
   out.push_back({"upper bound of the bulk modulus", "", bounds.bulk.high, ""});
   out.push_back({"lower bound of the shear modulus", "", bounds.shear.low, ""});
   out.push_back({"upper bound of the shear modulus", "", bounds.shear.high, ""});
+}
+
+std::vector<Measure> measures_of(const Context& c, const PhaseMap& map, const Result& r) {
+  std::vector<Measure> out;
+  if (c.choice<Property>("property") == Property::Stiffness)
+    add_elastic_measures(c, map, r, out);
+  else
+    add_scalar_measures(c, map, r, out);
+  for (std::size_t i = 0; i < map.count(); ++i)
+    out.push_back({"fraction of " + map.names[i], "", map.fraction[i], ""});
+  return out;
 }
 
 Shown shown_of(const Context& c, const PhaseMap& map, const Result& r) {
@@ -300,17 +321,13 @@ void compute(Context& c) {
   if (!elastic) warn_of_gaps(c, r);
   if (elastic && !map.box.periodic)
     c.warn("the volume does not tile, but stiffness is found as if it did: its opposite sides touch");
-  const auto error = voxel_error(c, map, r, c.work().part(0.88, 1));
-  std::vector<Measure> measures;
-  if (elastic)
-    add_elastic_measures(c, map, r, measures);
-  else
-    add_scalar_measures(c, map, r, measures);
-  for (std::size_t i = 0; i < map.count(); ++i)
-    measures.push_back({"fraction of " + map.names[i], "", map.fraction[i], ""});
+  const auto half = half_of(c, map, c.work().part(0.88, 1));
+  std::vector<Measure> measures = measures_of(c, map, r);
+  if (half) add_coarse_values(measures, measures_of(c, half->map, half->result));
   measures.push_back({"iterations", "iterations", static_cast<double>(r.convergence.iterations), ""});
   measures.push_back({"residual", "residual", r.convergence.residual, ""});
-  if (error) measures.push_back({"voxel error, relative", "voxel_error", *error, ""});
+  if (const auto error = voxel_error(r, half))
+    measures.push_back({"voxel error, relative", "voxel_error", *error, ""});
   for (const Measure& m : measures)
     if (!m.metric.empty()) c.metric(m.metric, m.value);
   c.output("table", table_of(measures));
@@ -326,7 +343,7 @@ namespace terrazzo {
 
 NodeType homogenize_node() {
   using namespace homogenize;
-  return NodeType("Homogenize", 1)
+  return NodeType("Homogenize", 2)
       .doc_(
           "Finds how well a volume conducts, how stiff it is, or how easily a fluid flows through it, from "
           "the values of its phases: the whole effective tensor, tortuosity, bounds, and the error of the "
@@ -339,7 +356,10 @@ NodeType homogenize_node() {
       .optional_input(
           "particles", {"Particles"},
           "Particles of the grid id: their classes become the phases, after the binder and before the voids")
-      .output("table", "Table", "Effective values, bounds, fractions of the phases, and how exact they are")
+      .output(
+          "table", "Table",
+          "Effective values, bounds and fractions of the phases, each also at half the resolution, and how "
+          "exact they are")
       .output("tensor", "Table",
               "The effective tensor: 3 × 3 for x, y, z, or 6 × 6 for the stresses and engineering strains "
               "xx, yy, zz, yz, "

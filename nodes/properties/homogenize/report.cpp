@@ -71,10 +71,19 @@ Plot plot_of(const Shown& shown) {
 
 }  // namespace
 
+void add_coarse_values(std::vector<Measure>& measures, const std::vector<Measure>& coarse) {
+  for (Measure& m : measures)
+    for (const Measure& other : coarse)
+      if (other.name == m.name) m.coarse = other.value;
+}
+
 Table table_of(const std::vector<Measure>& measures) {
   Table out;
-  out.columns = {"measure", "value", "unit"};
-  for (const Measure& m : measures) out.rows.push_back({m.name, m.value, m.unit});
+  out.columns = {"measure", "value", "unit", "half_resolution"};
+  for (const Measure& m : measures) {
+    out.rows.push_back({m.name, m.value, m.unit, std::string()});
+    if (m.coarse) out.rows.back().back() = *m.coarse;
+  }
   return out;
 }
 

@@ -17,9 +17,13 @@ struct Measure {
   std::string name, metric;  // metric: empty if it is none
   double value = 0;
   std::string unit;
+  std::optional<double> coarse = {};  // the value at half the resolution
 };
 
-// The table: columns measure, value, unit.
+// Takes the values of measures of the same names as those at half the resolution.
+void add_coarse_values(std::vector<Measure>&, const std::vector<Measure>& coarse);
+
+// The table: columns measure, value, unit, half_resolution.
 Table table_of(const std::vector<Measure>&);
 
 // A tensor as a table: one column for each of `axes`, one row for each in the same order.

@@ -128,6 +128,7 @@ TEST(Homogenize, ReportsTensorTortuosityAndErrors) {
   ASSERT_EQ(r.warnings.size(), 1u);
   EXPECT_NE(r.warnings[0].find("do not connect along x"), std::string::npos);
   EXPECT_NEAR(r.metrics.at("voxel_error"), 0, 1e-6);
+  EXPECT_NEAR(r.output<Table>("table").number(1, "half_resolution"), 1, 1e-5);  // effective yy
   const auto& t = r.output<Table>("tensor");
   EXPECT_EQ(t.columns, (std::vector<std::string>{"x", "y", "z"}));
   EXPECT_NEAR(t.number(1, "y"), 1, 1e-5);

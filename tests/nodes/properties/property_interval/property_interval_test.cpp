@@ -60,24 +60,34 @@ TEST(PropertyInterval, HoldsTheTruthAsOftenAsItSays) {
   }
 }
 
-Table table_with(double value) {
-  return {{"measure", "value", "unit"},
-          {{std::string("effective, mean"), value, std::string()},
-           {std::string("voxel error, relative"), 0.01, std::string()}}};
+Table table_with(double value, Table::Cell half) {
+  return {{"measure", "value", "unit", "half_resolution"},
+          {{std::string("effective, mean"), value, std::string(), std::move(half)}}};
 }
 
 TEST(PropertyInterval, ReadsTheTablesOfHomogenize) {
   std::multimap<std::string, Value> inputs;
-  for (const double v : {9.0, 11.0}) inputs.emplace("blocks", Value::of(table_with(v)));
-  for (const double v : {8.0, 12.0, 10.0}) inputs.emplace("draws", Value::of(table_with(v)));
+  for (const double v : {9.0, 11.0}) inputs.emplace("blocks", Value::of(table_with(v, std::string())));
+  for (const double v : {8.0, 12.0, 10.0}) inputs.emplace("draws", Value::of(table_with(v, std::string())));
   const auto r = test::run_node("PropertyInterval", inputs);
   EXPECT_DOUBLE_EQ(r.metrics.at("estimate"), 10);
-  EXPECT_NEAR(r.metrics.at("voxels"), 0.1, 1e-12);
+  EXPECT_EQ(r.metrics.at("voxels"), 0);
   EXPECT_NEAR(r.metrics.at("representative_blocks"), std::pow(2 * std::sqrt(2) / 0.5, 2), 1e-9);
   EXPECT_EQ(test::code_of([&] {
               test::run_node("PropertyInterval", inputs, {{"measure", "mass"}});
             }),
             "no-measure");
+}
+
+// Values that are 1 too large at the blocks' resolution, and 2 at half of it.
+TEST(PropertyInterval, ExtrapolatesToSmallVoxels) {
+  std::multimap<std::string, Value> inputs;
+  for (const double v : {9.0, 11.0}) inputs.emplace("blocks", Value::of(table_with(v + 1, v + 2)));
+  for (const double v : {8.0, 12.0, 10.0}) inputs.emplace("draws", Value::of(table_with(v + 1, v + 2)));
+  const auto r = test::run_node("PropertyInterval", inputs);
+  EXPECT_DOUBLE_EQ(r.metrics.at("estimate"), 10);
+  EXPECT_DOUBLE_EQ(r.metrics.at("voxels"), 0.5);
+  EXPECT_DOUBLE_EQ(r.output<Table>("table").number(1, "value"), 11);
 }
 
 }  // namespace
