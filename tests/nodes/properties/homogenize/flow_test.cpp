@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/nodes/properties/homogenize/models.h"
 #include "tests/support/code_of.h"
 
@@ -87,6 +89,32 @@ TEST(Flow, ThroughRandomPoresIsSymmetricAndScalesWithTheSquareOfTheVoxel) {
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Mat3>(k).eigenvalues()[0], 0);
   const Mat3 scaled = permeate(coarse, {1, 0}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {}).effective;
   EXPECT_LT((scaled - 9 * k).norm(), 1e-5 * scaled.norm());
+}
+
+// A Boolean model: balls at random places that overlap. Its surface per volume is s = 3/R ε ln(1/ε). Kozeny
+// and Carman's ε³/(5 s²) holds at a porosity ε of one half; Weissberg and Prager's 2 R² ε / (9 ln(1/ε)) is an
+// upper bound.
+TEST(Flow, ThroughOverlappingBallsIsThatOfKozenyAndCarman) {
+  const int n = 48, count = 146;
+  const double radius = 5;
+  std::vector<Vec3> centers;
+  for (int k = 0; k < count; ++k) {
+    Random r(3, 1, k);
+    centers.push_back(n * Vec3(r.uniform(), r.uniform(), r.uniform()));
+  }
+  const auto map = test::phase_map({n, n, n}, 2, [&](int x, int y, int z) {
+    return std::any_of(centers.begin(), centers.end(), [&](const Vec3& c) {
+      Vec3 d = Vec3(x, y, z) - c;
+      for (int a = 0; a < 3; ++a) d[a] -= n * std::round(d[a] / n);
+      return d.squaredNorm() < radius * radius;
+    });
+  });
+  const double open = map.fraction[0], surface = 3 / radius * open * std::log(1 / open);
+  const double k =
+      permeate(map, {1, 0}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {}).effective.trace() / 3;
+  EXPECT_NEAR(open, 0.5, 0.05);
+  EXPECT_NEAR(k / (std::pow(open, 3) / (5 * surface * surface)), 1, 0.25);
+  EXPECT_LT(k, 2 * radius * radius * open / (9 * std::log(1 / open)));
 }
 
 // A slit whose voxels are not cubes: the profile depends on the edge across only.
