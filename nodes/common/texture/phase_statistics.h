@@ -1,4 +1,5 @@
-// Two-point correlation and lineal path of a phase in images (Torquato 2002, 2.1 and 2.4).
+// Two-point correlation, lineal path and cluster function of a phase in images (Torquato 2002, 2.1, 2.4 and
+// 2.5).
 #pragma once
 
 #include <cstdint>
@@ -6,7 +7,7 @@
 
 namespace terrazzo {
 
-// The phase in one image: 1 inside, 0 outside; x fastest.
+// The phase in one image: 1 inside, 0 outside, 2 not observed; x fastest.
 struct Phase {
   int width = 0, height = 0;
   std::vector<std::uint8_t> in;
@@ -18,7 +19,12 @@ struct PhaseStatistics {
   std::vector<double> lineal_path;  // L(r): probability that the whole segment is in the phase
 };
 
-// Averages over segments along x and along y in all images. `reach` must be below every side.
+// Averages over segments along x and along y in all images whose pixels are observed. `reach` must be below
+// every side.
 PhaseStatistics phase_statistics(const std::vector<Phase>&, int reach);
+
+// C2(r): probability that both ends of such a segment are in one piece of the phase, connected by edges of
+// pixels within the image.
+std::vector<double> cluster_function(const std::vector<Phase>&, int reach);
 
 }  // namespace terrazzo

@@ -31,9 +31,13 @@ NodeType pattern_node() {
           "photograph")
       .source_("Gradient noise: Perlin 2002; cells: Worley 1996")
       .output("image", "Image", "Section in scene-linear color")
-      .parameter(Parameter::choice("kind", "wood", {"wood", "marble", "muscle", "fat", "bone"})
+      .parameter(Parameter::choice(
+                     "kind", "wood",
+                     {"wood", "marble", "muscle", "fat", "bone", "sandstone", "electrode", "copolymer"})
                      .doc_("Material. Wood and muscle have fibers along z; marble has veins, fat has "
-                           "lobules, bone has struts."))
+                           "lobules, bone has struts. Sandstone, electrode and copolymer are gray, with two, "
+                           "three and two "
+                           "phases."))
       .parameter(Parameter::choice("axis", "x", {"x", "y", "z"})
                      .doc_("Axis normal to the section. On x and y, z is up."))
       .parameter(Parameter::number("offset", 0)
@@ -48,7 +52,9 @@ NodeType pattern_node() {
       .parameter(Parameter::number("scale", 2)
                      .range(1e-9, 1e9)
                      .unit_("mm")
-                     .doc_("Width of a ring, distance of veins or struts, or diameter of a bundle or lobule"))
+                     .doc_("Width of a ring, distance of veins or struts, diameter of a bundle, lobule or "
+                           "grain, or period of "
+                           "a copolymer"))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/common/texture/noise.h"
+#include "runtime/random.h"
 
 namespace terrazzo::pattern {
 namespace {
@@ -80,6 +82,33 @@ Vec3f bone(std::uint64_t seed, const Vec3& p) {
   return mix(marrow, mix(hex(0xeadfc6), hex(0xcdb88f), 0.4 + 0.6 * grain), strut);
 }
 
+// Grains of quartz that touch in places, with pores between them.
+Vec3f sandstone(std::uint64_t seed, const Vec3& p) {
+  const Vec3 q = p + 0.15 * Vec3(noise(seed, 2 * p), noise(seed + 1, 2 * p), noise(seed + 2, 2 * p));
+  const double gap = 0.22 + 0.5 * noise(seed + 3, 0.8 * p);
+  return cellular(seed + 4, q).edge < gap ? hex(0x303030) : hex(0xb8b8b8);
+}
+
+// Particles of active material, which binder with pores connects.
+Vec3f electrode(std::uint64_t seed, const Vec3& p) {
+  const Vec3 q = p + 0.1 * Vec3(noise(seed, 3 * p), noise(seed + 1, 3 * p), noise(seed + 2, 3 * p));
+  const Cell cell = cellular(seed + 3, q);
+  if (cell.shade < 0.65 && cell.edge > 0.15) return hex(0xd8d8d8);
+  return noise(seed + 4, 2.5 * p) > 0.08 ? hex(0x808080) : hex(0x202020);
+}
+
+// The sign of waves of one length in random directions (Cahn 1965).
+Vec3f copolymer(std::uint64_t seed, const Vec3& p) {
+  constexpr int kWaves = 64;
+  double sum = 0;
+  for (int k = 0; k < kWaves; ++k) {
+    Random random(seed, 7, static_cast<std::uint64_t>(k));
+    const Vec3 direction = Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    sum += std::cos(2 * std::numbers::pi * (direction.dot(p) + random.uniform()));
+  }
+  return sum > 0 ? hex(0xc8c8c8) : hex(0x404040);
+}
+
 }  // namespace
 
 Vec3f pattern_color(const PatternOptions& c, const Vec3& point) {
@@ -89,7 +118,20 @@ Vec3f pattern_color(const PatternOptions& c, const Vec3& point) {
   if (c.kind == Kind::Wood) return wood(c.seed, p);
   static const Mat3 oblique = Quat(0.83, 0.31, -0.37, 0.27).normalized().toRotationMatrix();
   const Vec3 q = oblique * p;
-  return c.kind == Kind::Marble ? marble(c.seed, q) : c.kind == Kind::Fat ? fat(c.seed, q) : bone(c.seed, q);
+  switch (c.kind) {
+    case Kind::Marble:
+      return marble(c.seed, q);
+    case Kind::Fat:
+      return fat(c.seed, q);
+    case Kind::Sandstone:
+      return sandstone(c.seed, q);
+    case Kind::Electrode:
+      return electrode(c.seed, q);
+    case Kind::Copolymer:
+      return copolymer(c.seed, q);
+    default:
+      return bone(c.seed, q);
+  }
 }
 
 Image pattern_image(const PatternOptions& c, const Work& work) {

@@ -8,7 +8,7 @@
 
 namespace terrazzo::pattern {
 
-enum class Kind { Wood, Marble, Muscle, Fat, Bone };
+enum class Kind { Wood, Marble, Muscle, Fat, Bone, Sandstone, Electrode, Copolymer };
 
 struct PatternOptions {
   Kind kind = Kind::Wood;
@@ -16,7 +16,7 @@ struct PatternOptions {
   double offset = 0;  // mm along the axis
   int width = 128, height = 128;
   double pixel_size = 0.1;  // mm
-  double scale = 2;         // mm: width of a ring, distance of veins, diameter of a bundle or lobule
+  double scale = 2;         // mm: width of a ring, distance of veins, diameter of a bundle, lobule or grain, wave
   std::uint64_t seed = 1;
 };
 

@@ -1,0 +1,40 @@
+// How well slices of a solid agree with the pictures, beside how much parts of the pictures differ.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nodes/data/image.h"
+#include "nodes/data/table.h"
+#include "nodes/media/media_solid/descent.h"
+
+namespace terrazzo::media_solid {
+
+// A number, or a function of the distance, for one phase.
+struct Agreement {
+  std::string measure, unit;
+  int picture = 0, phase = 0;
+  std::vector<double> of_picture, of_solid;  // one value, or one for each distance in pixels from 0
+  std::vector<double> low, high;             // least and greatest of the picture's tiles
+  double difference = 0;                     // of numbers; mean absolute one of functions
+  double scatter = 0;  // the same of the tiles: standard deviation, mean absolute difference
+};
+
+// The solid's slices across the axes that show a picture, and the picture in tiles of the same size, which is
+// at most half the picture's, since cluster functions and connections depend on the size of the window.
+std::vector<Agreement> compare_slices(const std::vector<media::PhaseMap>&, const DescentOptions&,
+                                      const Solid&, const Work&);
+
+Table agreement_table(const std::vector<Agreement>&);
+
+// A picture of phases with a caption.
+struct Shown {
+  std::string caption;
+  media::PhaseMap map;
+};
+// The first tile of each picture and the middle slices across x, y and z, all of one size.
+std::vector<Shown> show(const std::vector<media::PhaseMap>&, const DescentOptions&, const Solid&);
+// These pictures above the functions of the first picture.
+Image agreement_figure(const std::vector<Agreement>&, const std::vector<Shown>&);
+
+}  // namespace terrazzo::media_solid

@@ -1,0 +1,183 @@
+#include "nodes/media/media_solid/descent.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "nodes/data/indices.h"
+#include "nodes/media/media_solid/level.h"
+#include "runtime/random.h"
+
+namespace terrazzo::media_solid {
+namespace {
+using media::PhaseMap;
+
+constexpr int kReach = 8;         // spacings go up to this fraction of the shortest side
+constexpr int kWidest = 4;        // spacing at one level: coarser levels match longer ones
+constexpr int kLeastVoxels = 6;   // along the shortest edge of the coarsest level
+constexpr double kFewPlaces = 8;  // a frequency is known to that many places of the picture
+constexpr int kCoarseSweeps = 60, kFineSweeps = 20;
+// A temperature of 1 accepts what a random solid with these frequencies would show.
+constexpr double kCoarseHeat = 10, kFineHeat = 5;
+constexpr double kCooled = 0.8;    // share of the sweeps after which the temperature is 0
+constexpr double kSettled = 2e-4;  // share of changed voxels at which sweeps end
+
+int shortest_side(const std::vector<PhaseMap>& pictures) {
+  int side = 1 << 30;
+  for (const PhaseMap& p : pictures) side = std::min({side, p.width, p.height});
+  return side;
+}
+
+Vec3i size_at(const Vec3i& size, int stride) {
+  return size.unaryExpr([&](int n) { return std::max(1, (n + stride / 2) / stride); });
+}
+
+// From coarse to fine.
+std::vector<int> strides_of(const Vec3i& size, int side) {
+  std::vector<int> out = {1};
+  while (2 * out.front() <= side / kReach && size_at(size, 2 * out.front()).minCoeff() >= kLeastVoxels)
+    out.insert(out.begin(), 2 * out.front());
+  return out;
+}
+
+// A coarse voxel represents one of its voxels, not their mean, so its patterns are the pictures' own at
+// larger spacings.
+class Targets {
+ public:
+  Targets(const std::vector<PhaseMap>& pictures, const DescentOptions& options)
+      : pictures_(pictures), options_(options) {}
+  std::vector<PatternTarget> at(int stride, const Vec3i& size) {
+    std::vector<PatternTarget> out;
+    for (int spacing = 1;
+         spacing <= kWidest && spacing * stride <= std::max(1, shortest_side(pictures_) / kReach) &&
+         (spacing == 1 || 4 * spacing <= size.minCoeff());
+         spacing *= 2)
+      for (int axis = 0; axis < 3; ++axis)
+        if (const int p = options_.plane[axis]; p >= 0)
+          out.push_back({axis, spacing, frequencies(p, spacing * stride)});
+    return out;
+  }
+
+ private:
+  const std::vector<Frequencies>& frequencies(int picture, int spacing) {
+    auto& known = known_[{picture, spacing}];
+    if (known.empty())
+      for (int phase = 0; phase < pictures_[picture].phases; ++phase)
+        known.push_back(pattern_frequencies(pictures_[picture], phase, spacing, options_.turned));
+    return known;
+  }
+
+  const std::vector<PhaseMap>& pictures_;
+  const DescentOptions& options_;
+  std::map<std::pair<int, int>, std::vector<Frequencies>> known_;
+};
+
+// Mean over the constrained planes.
+std::vector<double> mean_fractions(const std::vector<PhaseMap>& pictures, const DescentOptions& options) {
+  std::vector<double> out(pictures[0].phases, 0);
+  double planes = 0;
+  for (const int p : options.plane)
+    if (p >= 0) {
+      const auto f = fractions_of(pictures[p]);
+      for (std::size_t k = 0; k < f.size(); ++k) out[k] += f[k];
+      ++planes;
+    }
+  for (double& f : out) f /= planes;
+  return out;
+}
+
+std::vector<std::uint8_t> noise(std::size_t voxels, const std::vector<double>& fractions,
+                                std::uint64_t seed) {
+  std::vector<std::uint8_t> out(voxels);
+  for (std::size_t i = 0; i < voxels; ++i) {
+    double u = Random(seed, 3, i).uniform();
+    std::uint8_t p = 0;
+    while (p + 1u < fractions.size() && u >= fractions[p]) u -= fractions[p++];
+    out[i] = p;
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> enlarge(const std::vector<std::uint8_t>& coarse, const Vec3i& from,
+                                  const Vec3i& to) {
+  std::vector<std::uint8_t> out(voxels_in(to));
+  std::size_t i = 0;
+  for (int z = 0; z < to.z(); ++z)
+    for (int y = 0; y < to.y(); ++y)
+      for (int x = 0; x < to.x(); ++x, ++i) {
+        const auto at = [&](int v, int a) { return static_cast<std::size_t>(v) * from[a] / to[a]; };
+        out[i] = coarse[(at(z, 2) * from.y() + at(y, 1)) * from.x() + at(x, 0)];
+      }
+  return out;
+}
+
+// Whole numbers of voxels, with the remainder where it is largest.
+std::vector<std::int64_t> counts_of(const std::vector<double>& fractions, std::int64_t voxels) {
+  std::vector<std::int64_t> out;
+  std::int64_t left = voxels;
+  for (const double f : fractions) {
+    out.push_back(static_cast<std::int64_t>(f * voxels));
+    left -= out.back();
+  }
+  std::vector<std::size_t> order(out.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return fractions[a] * voxels - out[a] > fractions[b] * voxels - out[b];
+  });
+  for (std::size_t k = 0; left > 0; ++k, --left) ++out[order[k % order.size()]];
+  return out;
+}
+
+DescentLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
+  const int sweeps = stride > 1 ? kCoarseSweeps : kFineSweeps;
+  const double heat = stride > 1 ? kCoarseHeat : kFineHeat;
+  DescentLevel out{stride, 0, level.mismatch(), 0};
+  for (int s = 0; s < sweeps; ++s) {
+    const double temperature = heat * std::max(0.0, 1 - s / (kCooled * sweeps));
+    const Work part = work.part(static_cast<double>(s) / sweeps, (s + 1.0) / sweeps);
+    const std::size_t changes = level.sweep(mix64(seed * 4096 + stride) + s, temperature, part);
+    ++out.sweeps;
+    if (temperature == 0 && changes <= kSettled * voxels) break;
+  }
+  out.end = level.mismatch();
+  return out;
+}
+
+}  // namespace
+
+Solid synthesize(const std::vector<PhaseMap>& pictures, const DescentOptions& options, const Work& work) {
+  const int phases = pictures[0].phases;
+  const auto fractions = mean_fractions(pictures, options);
+  double pixels = 1e300;
+  for (const PhaseMap& p : pictures) pixels = std::min(pixels, double(p.width) * p.height);
+  Targets targets(pictures, options);
+  Solid out;
+  Vec3i size = Vec3i::Zero();
+  double done = 0;
+  const auto strides = strides_of(options.size, shortest_side(pictures));
+  for (const int stride : strides) {
+    const Vec3i finer = size_at(options.size, stride);
+    out.phase =
+        size.isZero() ? noise(voxels_in(finer), fractions, options.seed) : enlarge(out.phase, size, finer);
+    size = finer;
+    // Each level takes eight times as long per sweep as the one before.
+    const double until = stride == 1 ? 1 : std::pow(0.125, std::log2(stride)) * kCoarseSweeps / kFineSweeps;
+    const Work part = work.part(std::min(0.9, done), std::min(0.9, until));
+    done = until;
+    part.progress(0, fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()));
+    Level level(std::move(out.phase), size, phases, targets.at(stride, size), kFewPlaces / pixels, part);
+    out.levels.push_back(anneal(level, stride, voxels_in(size), options.seed, part));
+    if (stride == 1) level.settle(counts_of(fractions, static_cast<std::int64_t>(voxels_in(size))));
+    out.phase = level.take();
+  }
+  return out;
+}
+
+double memory_forecast(const Vec3i& size) {
+  // The phases, their coarser copy, the list of voxels at interfaces, which is copied once, and the grids.
+  return 28.0 * static_cast<double>(voxels_in(size)) + 64e6;
+}
+
+}  // namespace terrazzo::media_solid

@@ -1,0 +1,22 @@
+#include "nodes/media/media_solid/phase_grid.h"
+
+#include "nodes/common/geometry/grid/dense_grid.h"
+
+namespace terrazzo::media_solid {
+
+Volume phase_volume(const std::vector<std::uint8_t>& phase, const Vec3i& size, double voxel,
+                    const std::vector<Vec3f>& color, const Work& work) {
+  initialize_openvdb();
+  Volume out;
+  out.resolution = size;
+  out.grids.push_back(dense_grid<openvdb::Int32Grid>("phase", size, voxel, work.part(0, 0.5),
+                                                     [&](std::size_t i) { return std::int32_t{phase[i]}; }));
+  out.grids.push_back(
+      dense_grid<openvdb::Vec3SGrid>("Cd", size, voxel, work.part(0.5, 1), [&](std::size_t i) {
+        const Vec3f& c = color[phase[i]];
+        return openvdb::Vec3s(c.x(), c.y(), c.z());
+      }));
+  return out;
+}
+
+}  // namespace terrazzo::media_solid

@@ -1,0 +1,16 @@
+// A volume of phases.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "nodes/data/opaque_volume.h"
+#include "runtime/work.h"
+
+namespace terrazzo::media_solid {
+
+// A volume that tiles, with the grids `phase` and `Cd`; `voxel` in mm, `color` of each phase.
+Volume phase_volume(const std::vector<std::uint8_t>& phase, const Vec3i& size, double voxel,
+                    const std::vector<Vec3f>& color, const Work&);
+
+}  // namespace terrazzo::media_solid

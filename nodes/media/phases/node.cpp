@@ -1,0 +1,116 @@
+#include <fmt/format.h>
+
+#include "graph/node_type.h"
+#include "nodes/data/indices.h"
+#include "nodes/data/table.h"
+#include "nodes/media/micrograph/find_phases.h"
+#include "runtime/context.h"
+
+namespace terrazzo::phases {
+namespace {
+using namespace media;
+
+constexpr double kRare = 0.005;  // share below which a phase may be dirt
+constexpr double kBlurred = 1;   // separation below which noise hides the phases
+constexpr double kUnsure = 0.1;  // share of pixels
+
+// Where the mask has labels.
+std::vector<std::uint8_t> unobserved_in(const Context& c, const Image& image) {
+  const Labels* mask = c.optional<Labels>("mask");
+  if (!mask) return {};
+  if (mask->width != image.width || mask->height != image.height)
+    throw Error("size-mismatch",
+                fmt::format("the mask has {} × {} pixels, the image {} × {}", mask->width, mask->height,
+                            image.width, image.height),
+                "connect a mask of this image");
+  std::vector<std::uint8_t> out;
+  for (std::size_t i = 0; i < pixels_in(image.width, image.height); ++i) out.push_back(mask->ids[i] != 0);
+  return out;
+}
+
+// The picture beside its phases in their mean colors.
+Image figure_of(const Image& image, const FoundPhases& found) {
+  const Vec3f none(0.6f, 0.05f, 0.05f);
+  Image out(2 * image.width, image.height, 1, image.pixel_size);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::uint8_t p = found.map.at[found.map.index(x, y)];
+      out.at(x, y) = image.at(x, y);
+      out.at(image.width + x, y) = p == kUnobserved ? none : found.color[p];
+    }
+  return out;
+}
+
+void warn_of(Context& c, const FoundPhases& found, const std::vector<double>& fractions) {
+  for (std::size_t k = 0; k < fractions.size(); ++k)
+    if (fractions[k] < kRare)
+      c.warn(
+          fmt::format("phase {} fills {:.2f} % of the picture: it may be dirt or the edges of another phase; "
+                      "if so, set phases to {}",
+                      k, 100 * fractions[k], fractions.size() - 1));
+  if (found.separation < kBlurred)
+    c.warn(
+        fmt::format("the noise is as large as the contrast: the levels of two phases differ by {:.2f} times "
+                    "the sum of their noise. Their borders are uncertain; use a picture with less noise",
+                    found.separation));
+  else if (found.uncertain > kUnsure)
+    c.warn(fmt::format("{:.0f} % of the pixels are less than 90 % sure of their phase; look at the figure",
+                       100 * found.uncertain));
+}
+
+void compute(Context& c) {
+  const Image& image = c.input<Image>("image");
+  if (image.sections > 1)
+    c.warn(fmt::format("the image has {} sections; only the first is used", image.sections));
+  PhaseOptions options;
+  options.phases = static_cast<int>(c.optional_integer("phases").value_or(0));
+  options.smoothing = c.number("smoothing");
+  options.shading = c.boolean("shading");
+  const FoundPhases found = find_phases(image, unobserved_in(c, image), options, c.work());
+  const auto fractions = fractions_of(found.map);
+  warn_of(c, found, fractions);
+  Table table;
+  table.columns = {"phase", "fraction", "level", "noise"};
+  for (std::size_t k = 0; k < fractions.size(); ++k) {
+    table.rows.push_back({static_cast<double>(k), fractions[k], found.level[k], found.noise[k]});
+    c.metric(fmt::format("fraction_{}", k), fractions[k]);
+  }
+  c.metric("phases", found.map.phases);
+  c.metric("separation", found.separation);
+  c.metric("uncertain", found.uncertain);
+  c.metric("shading", found.shading);
+  c.output("figure", figure_of(image, found));
+  c.output("labels", labels_of(found.map));
+  c.output("table", std::move(table));
+}
+
+}  // namespace
+}  // namespace terrazzo::phases
+
+namespace terrazzo {
+
+NodeType phases_node() {
+  using namespace phases;
+  return NodeType("Phases", 1)
+      .doc_("Finds the phases of a micrograph by their gray levels, in spite of noise and uneven light")
+      .source_("Zhang, Brady and Smith 2001; Otsu 1979; Weszka and Rosenfeld 1979")
+      .input("image", "Image", "Micrograph, in gray or color")
+      .optional_input("mask", {"Labels"},
+                      "Pixels to ignore, where labels are not 0: a scale bar, cracks, the unobserved ones of "
+                      "Segment")
+      .output("labels", "Labels",
+              "Phase at each pixel, 0 for the darkest; phase p > 0 is profile p. Ignored pixels are 0.")
+      .output("table", "Table", "Fraction, gray level and noise of each phase")
+      .output("figure", "Image", "The picture beside its phases; ignored pixels are red")
+      .parameter(Parameter::optional_integer("phases", "auto")
+                     .range(2, kMostPhases)
+                     .doc_("Number of phases. auto: as many as the histogram has peaks, at most 5."))
+      .parameter(
+          Parameter::number("smoothing", 1)
+              .range(0, 10)
+              .doc_("Weight of a neighbor in the same phase. More removes more noise, and fine details."))
+      .parameter(Parameter::boolean("shading", true).doc_("Whether slow changes of light are removed"))
+      .compute_(compute);
+}
+
+}  // namespace terrazzo
