@@ -1,5 +1,5 @@
-// Fuzzes volumes as NIfTI, DICOM, images, OpenVDB, NRRD, MetaImage, MRC and NumPy arrays. The first byte
-// selects the format.
+// Fuzzes volumes as NIfTI, DICOM, images, OpenVDB, NRRD, MetaImage, MRC, NumPy arrays and zip
+// archives of images. The first byte selects the format.
 #include <unistd.h>
 
 #include <fstream>
@@ -8,6 +8,7 @@
 #include "nodes/volumes/load_volume/scan.h"
 #include "nodes/volumes/load_volume/slices.h"
 #include "nodes/volumes/load_volume/vdb.h"
+#include "nodes/volumes/load_volume/zip.h"
 
 using namespace terrazzo;
 
@@ -15,9 +16,10 @@ using namespace terrazzo;
 extern "C" const char* __lsan_default_suppressions() { return "leak:readTopology\n"; }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  static const char* const formats[] = {".nii", ".dcm", ".tif", ".vdb", ".nrrd", ".mha", ".mrc", ".npy"};
+  static const char* const formats[] = {".nii", ".dcm", ".tif", ".vdb", ".nrrd",
+                                        ".mha", ".mrc", ".npy", ".zip"};
   if (size == 0) return 0;
-  const int format = data[0] % 8;
+  const int format = data[0] % std::size(formats);
   const std::string file =
       (std::filesystem::temp_directory_path() / ("fuzz-" + std::to_string(::getpid()))).string() +
       formats[format];
@@ -40,8 +42,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       load_volume::read_metaimage(file, {}, reading);
     else if (format == 6)
       load_volume::read_mrc(file, {}, reading);
-    else
+    else if (format == 7)
       load_volume::read_npy(file, {}, reading);
+    else
+      load_volume::read_zip(file, "", {}, {}, reading);
   } catch (const Error&) {
   }
   ::unlink(file.c_str());
