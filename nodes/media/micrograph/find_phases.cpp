@@ -23,7 +23,7 @@ constexpr int kTerms = 6;  // of the quadratic polynomial that describes the lig
 
 struct Picture {
   int width = 0, height = 0;
-  cv::Mat1f gray;                // lightness, or the main axis of colors
+  cv::Mat1f gray;                // along the main axis of display-encoded colors
   cv::Mat1f light;               // slow changes of it
   std::vector<std::uint8_t> in;  // 1 for observed pixels
   bool observed(int x, int y) const { return in[pixel_at(x, y, width)] != 0; }
@@ -31,23 +31,23 @@ struct Picture {
 };
 
 // The direction in which colors differ most, towards light.
-Vec3 main_axis(const std::vector<Vec3f>& lab, const std::vector<std::uint8_t>& in) {
+Vec3 main_axis(const std::vector<Vec3f>& color, const std::vector<std::uint8_t>& in) {
   Vec3 mean = Vec3::Zero();
   double n = 0;
-  for (std::size_t i = 0; i < lab.size(); ++i)
+  for (std::size_t i = 0; i < color.size(); ++i)
     if (in[i]) {
-      mean += lab[i].cast<double>();
+      mean += color[i].cast<double>();
       ++n;
     }
   mean /= n;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < lab.size(); ++i)
+  for (std::size_t i = 0; i < color.size(); ++i)
     if (in[i]) {
-      const Vec3 d = lab[i].cast<double>() - mean;
+      const Vec3 d = color[i].cast<double>() - mean;
       covariance += d * d.transpose();
     }
   Vec3 axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvectors().col(2);
-  if (axis.x() < 0) axis = -axis;
+  if (axis.sum() < 0) axis = -axis;
   return axis;
 }
 
@@ -56,19 +56,19 @@ Picture picture_of(const Image& image, const std::vector<std::uint8_t>& unobserv
   const std::size_t n = pixels_in(image.width, image.height);
   if (n == 0) throw Error("empty-image", "the image has no pixels", "connect an image");
   out.in.assign(n, 1);
-  std::vector<Vec3f> lab(n);
+  std::vector<Vec3f> color(n);
   for (std::size_t i = 0; i < n; ++i) {
     if (!unobserved.empty() && unobserved[i]) out.in[i] = 0;
     if (!image.pixels[i].allFinite())
       throw Error("bad-pixels",
                   fmt::format("a color is NaN or infinite at ({}, {})", i % image.width, i / image.width),
                   "replace the bad pixels in the picture");
-    lab[i] = linear_to_oklab(image.pixels[i]);
+    color[i] = linear_to_srgb(image.pixels[i]);
   }
   if (std::count(out.in.begin(), out.in.end(), 1) == 0)
     throw Error("empty-image", "no pixel of the image is observed", "connect a smaller mask");
-  const Vec3f axis = main_axis(lab, out.in).cast<float>();
-  for (std::size_t i = 0; i < n; ++i) out.gray.ptr<float>()[i] = axis.dot(lab[i]);
+  const Vec3f axis = main_axis(color, out.in).cast<float>();
+  for (std::size_t i = 0; i < n; ++i) out.gray.ptr<float>()[i] = axis.dot(color[i]);
   out.light = cv::Mat1f::zeros(image.height, image.width);
   return out;
 }
@@ -231,23 +231,41 @@ void summarize(const Image& image, const Picture& p, const Field& field, FoundPh
     if (!p.in[i]) out.map.at[i] = kUnobserved;
 }
 
-}  // namespace
-
-FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
-                        const PhaseOptions& options, const Work& work) {
-  Picture picture = picture_of(image, unobserved);
-  if (options.shading) fit_light(picture, [](int, int) { return 0.0; });
-  cv::Mat1f flat = picture.gray - picture.light;
-  Field field(picture, gray_levels(flat, picture.in, options.phases), options.smoothing);
+// Without phases if the histogram has a single peak. The light of the picture is where it starts.
+FoundPhases from_start(const Image& image, Picture& picture, const PhaseOptions& options, const Work& work) {
+  FoundPhases out;
+  const cv::Mat1f flat = picture.gray - picture.light;
+  const auto levels = gray_levels(flat, picture.in, options.phases);
+  if (levels.size() < 2) return out;
+  Field field(picture, levels, options.smoothing);
   for (int round = 0; round < kRounds; ++round) {
     field.decide(work);
     if (options.shading) field.light();
     field.measure();
     work.done(round + 1, kRounds);
   }
-  FoundPhases out;
   summarize(image, picture, field, out);
   return out;
+}
+
+}  // namespace
+
+FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
+                        const PhaseOptions& options, const Work& work) {
+  Picture picture = picture_of(image, unobserved);
+  FoundPhases even = from_start(image, picture, options, work.part(0, options.shading ? 0.5 : 1));
+  FoundPhases uneven;
+  // Light that varies much hides the phases from the start. If the picture's own slow changes are taken for
+  // light, large structures fade. The better start separates the phases better.
+  if (options.shading) {
+    fit_light(picture, [](int, int) { return 0.0; });
+    uneven = from_start(image, picture, options, work.part(0.5, 1));
+  }
+  if (even.map.phases == 0 && uneven.map.phases == 0)
+    throw Error("one-phase", "the histogram of the picture has a single peak, so no phases are told apart",
+                "set phases, or use a picture with more contrast between the phases and less noise")
+        .parameter("phases");
+  return even.map.phases > 0 && even.separation >= uneven.separation ? even : uneven;
 }
 
 }  // namespace terrazzo::media

@@ -18,8 +18,8 @@ struct PhaseOptions {
 
 struct FoundPhases {
   PhaseMap map;                      // phases from dark to light
-  std::vector<double> level, noise;  // of each phase: mean and standard deviation of Oklab's lightness, or of
-                                     // the main axis of colors where these differ more
+  std::vector<double> level, noise;  // of each phase: mean and standard deviation along the axis of
+                                     // display-encoded colors that differ most; gray is √3 times the level
   std::vector<Vec3f> color;          // mean, scene-linear
   double separation = 0;             // smallest distance between neighboring levels / the sum of their noise
   double uncertain = 0;              // share of pixels whose phase is less than 90 % sure

@@ -12,6 +12,7 @@ namespace {
 constexpr int kBins = 256;
 constexpr double kFlat = 0.5;        // share of the pixels, those with the smallest gradients
 constexpr double kSmooth = 4;        // bins, of the histogram whose peaks count
+constexpr double kStep = 1.5 / 255;  // and more than a step of 8 bits
 constexpr double kValley = 0.5;      // of the lower of two peaks
 constexpr double kLeastPeak = 0.01;  // of the highest
 constexpr std::size_t kMostPeaks = 5;
@@ -55,7 +56,8 @@ std::vector<float> inside(const cv::Mat1f& gray, const std::vector<std::uint8_t>
 std::vector<double> peaks_of(const Histogram& h) {
   cv::Mat1d row(1, kBins);
   std::copy(h.count.begin(), h.count.end(), row.begin());
-  cv::GaussianBlur(row, row, {0, 0}, kSmooth, kSmooth, cv::BORDER_CONSTANT);
+  const double sigma = std::clamp(kStep / h.width, kSmooth, kBins / 8.0);
+  cv::GaussianBlur(row, row, {0, 0}, sigma, sigma, cv::BORDER_CONSTANT);
   const double* v = row.ptr<double>();
   const double highest = *std::max_element(v, v + kBins);
   // Peaks in order; of two without a valley between, the higher remains.
@@ -125,18 +127,12 @@ std::vector<double> otsu(const Histogram& h, int phases) {
 
 std::vector<double> gray_levels(const cv::Mat1f& gray, const std::vector<std::uint8_t>& observed,
                                 int phases) {
-  if (phases > 0) {
-    std::vector<float> all;
-    for (std::size_t i = 0; i < observed.size(); ++i)
-      if (observed[i]) all.push_back(gray.ptr<float>()[i]);
-    return otsu(histogram_of(all), phases);
-  }
-  const auto peaks = peaks_of(histogram_of(inside(gray, observed)));
-  if (peaks.size() < 2)
-    throw Error("one-phase", "the histogram of the picture has a single peak, so no phases are told apart",
-                "set phases, or use a picture with more contrast between the phases and less noise")
-        .parameter("phases");
-  return peaks;
+  std::vector<float> all;
+  for (std::size_t i = 0; i < observed.size(); ++i)
+    if (observed[i]) all.push_back(gray.ptr<float>()[i]);
+  if (phases > 0) return otsu(histogram_of(all), phases);
+  const auto of_all = peaks_of(histogram_of(all)), of_inside = peaks_of(histogram_of(inside(gray, observed)));
+  return of_inside.size() > of_all.size() ? of_inside : of_all;
 }
 
 }  // namespace terrazzo::media

