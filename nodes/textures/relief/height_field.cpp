@@ -35,7 +35,7 @@ std::vector<BallRow> ball_rows(const HeightField& h, double radius) {
 std::vector<float> eroded(const HeightField& h, const std::vector<BallRow>& ball, float sign,
                           const Work& work) {
   std::vector<float> out(h.mm.size());
-  work.quiet().parallel(h.height, 8, [&](std::size_t begin, std::size_t end) {
+  work.quiet().parallel(h.height, 1, [&](std::size_t begin, std::size_t end) {
     std::vector<float> wide;
     for (std::size_t y = begin; y < end; ++y) {
       float* to = &out[y * h.width];
@@ -53,14 +53,12 @@ std::vector<float> eroded(const HeightField& h, const std::vector<BallRow>& ball
   return out;
 }
 
-struct Slopes {
-  float x, y;  // rise per mm, to the right and upwards
-};
-
-Slopes slopes_at(const HeightField& h, int x, int y) {
+Vec3f normal_at(const HeightField& h, int x, int y) {
   const float right = h.at(wrap_index(x + 1, h.width), y), left = h.at(wrap_index(x - 1, h.width), y);
   const float up = h.at(x, wrap_index(y - 1, h.height)), down = h.at(x, wrap_index(y + 1, h.height));
-  return {(right - left) / static_cast<float>(2 * h.mm_x), (up - down) / static_cast<float>(2 * h.mm_y)};
+  const Vec3f steep((left - right) / static_cast<float>(2 * h.mm_x),
+                    (down - up) / static_cast<float>(2 * h.mm_y), 1);
+  return steep.normalized();
 }
 
 // Offsets along a ray from a texel: each one, then at distances that grow by a tenth.
@@ -101,9 +99,9 @@ float visible(float horizon, float normal) {
 }
 
 // `along`: direction of the slice. `ahead`, `behind`: slopes of the horizons.
-float seen_in_slice(const Slopes& s, const Eigen::Vector2f& along, float ahead, float behind) {
+float seen_in_slice(const Vec3f& n, const Eigen::Vector2f& along, float ahead, float behind) {
+  if (n.z() == 1 && ahead <= 0 && behind <= 0) return 1;  // most of a worn plane
   constexpr float kRight = std::numbers::pi_v<float> / 2;
-  const Vec3f n = Vec3f(-s.x, -s.y, 1).normalized();
   const float across = n.head<2>().dot(along), normal = std::atan2(across, n.z());
   const float right = kRight - std::atan(ahead), left = std::atan(behind) - kRight;
   return std::hypot(across, n.z()) * (visible(normal + std::min(right - normal, kRight), normal) +
@@ -126,8 +124,7 @@ Image normal_map(const HeightField& h, const Work& work) {
     for (std::size_t row = begin; row < end; ++row)
       for (int x = 0; x < h.width; ++x) {
         const int y = static_cast<int>(row);
-        const Slopes s = slopes_at(h, x, y);
-        out.at(x, y) = 0.5f * (Vec3f(-s.x, -s.y, 1).normalized() + Vec3f::Ones());
+        out.at(x, y) = 0.5f * (normal_at(h, x, y) + Vec3f::Ones());
       }
   });
   return out;
@@ -152,14 +149,16 @@ Image occlusion_map(const HeightField& h, const Work& work) {
   }
   work.parallel(h.height, 4, [&](std::size_t begin, std::size_t end) {
     std::vector<float> ahead, behind;
+    std::vector<Vec3f> normals(h.width);
     for (std::size_t row = begin; row < end; ++row) {
       const int y = static_cast<int>(row);
+      for (int x = 0; x < h.width; ++x) normals[x] = normal_at(h, x, y);
       std::vector<float> sum(h.width, 0.0f);
       for (const Slice& slice : slices) {
         find_steepest(h, y, slice.ahead, ahead);
         find_steepest(h, y, slice.behind, behind);
         for (int x = 0; x < h.width; ++x)
-          sum[x] += seen_in_slice(slopes_at(h, x, y), slice.along, ahead[x], behind[x]);
+          sum[x] += seen_in_slice(normals[x], slice.along, ahead[x], behind[x]);
       }
       for (int x = 0; x < h.width; ++x) out.at(x, y).setConstant(std::clamp(sum[x] / kSlices, 0.0f, 1.0f));
     }

@@ -11,6 +11,7 @@ namespace terrazzo::texture_set {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kLayers = 3;  // of loose particles; below them is the ground
 
 }  // namespace
 
@@ -29,7 +30,7 @@ FinishedSurface::FinishedSurface(const Particles& particles, const Shapes& shape
   for (const Vec3& p : particles.position) {
     const Vec3 local = plane_.frame.transpose() * (p - plane_.origin);
     center_.push_back(local.z());
-    if (face_) face_at_.push_back(face_->at(local.x(), local.y()));
+    face_at_.push_back(face_ ? face_->at(local.x(), local.y()) : 0);
   }
   find_depths(shapes);
   if (finish.kind != FinishKind::Polished || particles.void_count() > 0) add_images(shapes);
@@ -48,6 +49,11 @@ void FinishedSurface::find_depths(const Shapes& shapes) {
     radius_.push_back(far[particles_.shape[i]] * particles_.scale[i]);
     double& most = particles_.is_void(i) ? largest_void : largest;
     most = std::max(most, radius_.back());
+  }
+  if (finish_.kind == FinishKind::Loose) {
+    top_ = largest;
+    bottom_ = -kLayers * 2 * largest;
+    return;
   }
   if (face_) top_ = face_->highest() + largest;
   bottom_ = (face_ ? face_->lowest() : -std::abs(finish_.relief)) -
@@ -68,6 +74,7 @@ void FinishedSurface::add_images(const Shapes& shapes) {
     slab.extend(plane_.origin + z * plane_.frame.col(2));
     slab.extend(plane_.origin + plane_.frame * Vec3(width_, height_, z));
   }
+  const bool whole_stones = face_ || finish_.kind == FinishKind::Loose;
   std::vector<carving::RayScene::Instance> instances, whole;
   for (std::size_t i = 0; i < particles_.count(); ++i) {
     const Vec3& p = particles_.position[i];
@@ -88,7 +95,7 @@ void FinishedSurface::add_images(const Shapes& shapes) {
           instances.push_back(instance);
           const double height =
               plane_.frame.col(2).dot(p + Vec3(x, y, z).cwiseProduct(particles_.box) - plane_.origin);
-          if (face_ && !particles_.is_void(i) && height < face_at_[i]) whole.push_back(instance);
+          if (whole_stones && !particles_.is_void(i) && height < face_at_[i]) whole.push_back(instance);
         }
   }
   if (!instances.empty()) scene_ = std::make_unique<carving::RayScene>(meshes, instances);
@@ -121,6 +128,11 @@ FinishedSurface::Point FinishedSurface::at(double u, double v) const {
   const auto material = [&](double z) {
     return index_.at((foot + (z - below) * plane_.frame.col(2)).cast<float>());
   };
+  if (finish_.kind == FinishKind::Loose) {
+    const double stone = next_below(whole_.get(), foot, top_);
+    if (stone < bottom_) return {static_cast<float>(bottom_), -1, false};
+    return {static_cast<float>(stone), material(stone), false};
+  }
   double z = 0, face = 0;
   if (face_) {
     z = face = face_->at(u, v);

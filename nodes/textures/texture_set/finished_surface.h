@@ -16,7 +16,7 @@
 namespace terrazzo::texture_set {
 
 // In the order of the parameter's words.
-enum class FinishKind { Polished, Honed, Broken, Weathered };
+enum class FinishKind { Polished, Honed, Broken, Weathered, Loose };
 
 struct Finish {
   FinishKind kind = FinishKind::Polished;
@@ -30,7 +30,7 @@ struct Finish {
 // Every material is worn down to a level below the plane: the surface is the highest point of a column that
 // no level removes. Polished: one plane. Honed and weathered: the softer material lies lower, and particles
 // below the plane emerge. Broken: the level of the binder is a rough face; particles whose center is below it
-// stay whole, others leave sockets. Voids are open.
+// stay whole, others leave sockets. Loose: particles whose center is below the plane, alone. Voids are open.
 class FinishedSurface {
  public:
   // The layout has one plane, which is a tile. Throws the errors of carving::check_shown.
@@ -57,14 +57,14 @@ class FinishedSurface {
   Finish finish_;
   carving::ParticleIndex index_;
   std::optional<BrokenFace> face_;
-  std::vector<double> center_;                // of each particle, mm above the plane
-  std::vector<double> face_at_;               // height of a broken face at each particle's center
-  std::vector<double> radius_;                // of each particle
-  double top_ = 0, bottom_ = 0;               // mm, of the columns
-  double period_ = 1;                         // along the plane's normal
-  float unit_ = 1;                            // mm per world unit of the scenes
+  std::vector<double> center_;   // of each particle, mm above the plane
+  std::vector<double> face_at_;  // height of a broken face or the plane at each particle's center
+  std::vector<double> radius_;   // of each particle
+  double top_ = 0, bottom_ = 0;  // mm, of the columns
+  double period_ = 1;            // along the plane's normal
+  float unit_ = 1;               // mm per world unit of the scenes
   std::unique_ptr<carving::RayScene> scene_;  // null if nothing but the plane can be seen
-  std::unique_ptr<carving::RayScene> whole_;  // the particles that stay whole in a fracture
+  std::unique_ptr<carving::RayScene> whole_;  // the particles that stay whole
 };
 
 }  // namespace terrazzo::texture_set

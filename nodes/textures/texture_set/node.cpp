@@ -78,6 +78,30 @@ double mean_size(const Particles& particles) {
   return count ? sum / static_cast<double>(count) : particles.box.minCoeff() / 10;
 }
 
+// The relief, and the radius of edges.
+struct Wear {
+  double relief = 0, rounding = 0;  // mm
+};
+Wear wear_of(const Context& c, FinishKind kind, double relief, const Vec3& box) {
+  if (kind == FinishKind::Polished || kind == FinishKind::Loose) return {};
+  relief = c.optional_number("relief").value_or(relief);
+  const double period = box[c.text("axis")[0] - 'x'];
+  if (!(std::abs(relief) <= period / 2))
+    throw Error("bad-value",
+                fmt::format("relief is {:g} mm, but the solid repeats after {:g} mm along {}", relief, period,
+                            c.text("axis")),
+                fmt::format("relief must be at most {:g} mm", period / 2))
+        .parameter("relief");
+  if (kind == FinishKind::Broken) return {relief, 0};
+  const double rounding = c.optional_number("rounding").value_or(std::abs(relief) / 2);
+  if (!(rounding <= std::abs(relief)))
+    throw Error("bad-value",
+                fmt::format("rounding is {:g} mm, more than the relief of {:g} mm", rounding, relief),
+                "lower rounding, or raise relief")
+        .parameter("rounding");
+  return {relief, rounding};
+}
+
 // Without what the photograph's light adds, which is not part of the material.
 Detail unlit(Detail detail) {
   if (!detail.tones.empty()) detail = residual::without_light(std::move(detail));  // of a surface
@@ -96,26 +120,24 @@ TextureMaps maps_of_particles(Context& c, FinishKind kind) {
   const auto& shapes = c.input<Shapes>("shapes");
   section::check_particles(particles, shapes);
   const section::SectionLayout layout = layout_of(c, particles.box);
-  Finish finish{kind, 0, mean_size(particles), c.seed()};
-  finish.relief = c.optional_number("relief").value_or(defaults_of(kind).relief * finish.grain);
+  const double grain = mean_size(particles);
+  const Wear wear = wear_of(c, kind, defaults_of(kind).relief * grain, particles.box);
   std::optional<residual::ResidualField> field;
   double softness = 0;
   if (const Detail* detail = c.optional<Detail>("detail")) {
     field.emplace(unlit(*detail), particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
     softness = detail->softness * detail->pixel_size;
   }
-  const FinishedSurface surface(particles, shapes, layout, finish);
+  const FinishedSurface surface(particles, shapes, layout, {kind, wear.relief, grain, c.seed()});
   TextureMaps maps = paint_maps(surface, particles, layout, roughness_of(c, kind), field ? &*field : nullptr,
                                 softness, c.work().part(0.1, 0.7));
-  if (kind == FinishKind::Honed || kind == FinishKind::Weathered)
-    textures::round_edges(maps.height, c.optional_number("rounding").value_or(std::abs(finish.relief) / 2),
-                          c.work());
+  textures::round_edges(maps.height, wear.rounding, c.work());
   return maps;
 }
 
 TextureMaps maps_of_volume(Context& c, FinishKind kind) {
-  if (kind == FinishKind::Broken)
-    throw Error("missing-input", "finish 'broken' needs the particles, which the fracture follows",
+  if (kind == FinishKind::Broken || kind == FinishKind::Loose)
+    throw Error("missing-input", "finish '" + c.text("finish") + "' needs the particles, which stay whole",
                 "connect particles and shapes instead of the volume, or choose another finish")
         .parameter("finish");
   const auto& volume = c.input<Volume>("volume");
@@ -125,11 +147,10 @@ TextureMaps maps_of_volume(Context& c, FinishKind kind) {
                 "connect a periodic volume, for example from Voxelize or SolidOptimize");
   if (carving::has_voids(volume))
     c.warn("the voids of the volume are shown filled; connect particles and shapes to see the holes");
-  const double relief =
-      kind == FinishKind::Polished ? 0 : c.optional_number("relief").value_or(2 * box.voxel);
+  const Wear wear = wear_of(c, kind, 2 * box.voxel, box.size);
   TextureMaps maps =
-      paint_maps(volume, layout_of(c, box.size), relief, roughness_of(c, kind), c.work().part(0, 0.7));
-  textures::round_edges(maps.height, c.optional_number("rounding").value_or(std::abs(relief) / 2), c.work());
+      paint_maps(volume, layout_of(c, box.size), wear.relief, roughness_of(c, kind), c.work().part(0, 0.7));
+  textures::round_edges(maps.height, wear.rounding, c.work());
   return maps;
 }
 
@@ -218,10 +239,11 @@ NodeType texture_set_node() {
                      .range(1, 16384)
                      .doc_("Pixels along the longer edge. Powers of two suit engines."))
       .parameter(
-          Parameter::choice("finish", "polished", {"polished", "honed", "broken", "weathered"})
+          Parameter::choice("finish", "polished", {"polished", "honed", "broken", "weathered", "loose"})
               .doc_("polished: flat, except for voids. honed, weathered: the binder is worn below the plane, "
                     "a little or much, and edges are rounded. broken: the binder breaks along a rough face, "
-                    "particles stay whole or leave sockets."))
+                    "particles stay whole or leave sockets. loose: no binder; particles whose center is "
+                    "below the plane, as in gravel."))
       .parameter(
           Parameter::optional_number("relief", "auto")
               .unit_("mm")

@@ -73,7 +73,7 @@ class Painter {
     });
   }
 
-  // Whether the texel to the right or below shows another particle or lies beyond a step steeper than 45°.
+  // Whether the texel to the right or below shows another particle or lies beyond a step of four texels.
   bool differs(std::size_t a, std::size_t b, double distance) const {
     return ids_[a] != ids_[b] ||
            std::abs(out_.height.mm[a] - out_.height.mm[b]) > static_cast<float>(distance);
@@ -85,8 +85,8 @@ class Painter {
         const std::size_t at = pixel_at(x, y, width_);
         const std::size_t right = pixel_at(wrap_index(x + 1, width_), y, width_);
         const std::size_t below = pixel_at(x, wrap_index(y + 1, height_), width_);
-        if (differs(at, right, mm_x_)) edge[at] = edge[right] = 1;
-        if (differs(at, below, mm_y_)) edge[at] = edge[below] = 1;
+        if (differs(at, right, 4 * mm_x_)) edge[at] = edge[right] = 1;
+        if (differs(at, below, 4 * mm_y_)) edge[at] = edge[below] = 1;
       }
     return edge;
   }

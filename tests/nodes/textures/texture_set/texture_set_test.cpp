@@ -243,6 +243,17 @@ TEST(TextureSet, AFractureFollowsTheParticles) {
                 .pixels);
 }
 
+TEST(TextureSet, LooseStonesLieOnEachOther) {
+  const auto run = maps_of(one_ball(1.5), {{"position", "2"}, {"resolution", "100"}, {"finish", "loose"}});
+  const Image& height = run.output<Image>("height");
+  for (int y = 2; y < 100; ++y)
+    for (int x = 2; x < 100; ++x) {
+      const double r = std::hypot((x + 0.5) * 0.04 - 2, (y + 0.5) * 0.04 - 2);
+      if (r < 0.9) EXPECT_NEAR(height.at(x, y).x(), -0.5 + std::sqrt(1 - r * r), 0.01);
+    }
+  EXPECT_LT(height.at(2, 2).x(), -4);  // the ground
+}
+
 TEST(TextureSet, ThreadsDoNotChangeTheMaps) {
   const Detail detail = speckle();
   const Settings settings = {{"resolution", "96"}, {"finish", "weathered"}};
@@ -308,6 +319,9 @@ TEST(TextureSet, RefusesWhatItCannotShow) {
   EXPECT_EQ(code({{"volume", colors}}, {{"finish", "weathered"}, {"resolution", "8"}}), "no-such-grid");
   EXPECT_EQ(code({{"volume", colors}}, {{"finish", "broken"}}), "missing-input");
   EXPECT_EQ(code({{"particles", particles}, {"shapes", shapes}}, {{"position", "5"}}), "bad-offset");
+  const std::multimap<std::string, Value> both = {{"particles", particles}, {"shapes", shapes}};
+  EXPECT_EQ(code(both, {{"finish", "honed"}, {"relief", "3"}}), "bad-value");
+  EXPECT_EQ(code(both, {{"finish", "honed"}, {"rounding", "1"}}), "bad-value");
   if (available_memory() < std::uint64_t{40} << 30)
     EXPECT_EQ(code({{"particles", particles}, {"shapes", shapes}}, {{"resolution", "16384"}}), "too-large");
 }
