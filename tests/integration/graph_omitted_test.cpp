@@ -52,6 +52,18 @@ TEST(GraphOmitted, FailsIfOnlyTheProgramIsInstalled) {
   EXPECT_NE(run.err.find("terrazzo run GRAPH"), std::string::npos) << run.err;
 }
 
+TEST(GraphOmitted, TextureRunsItsOwnGraph) {
+  const std::string photo = (test::source_folder() / "graphs/samples/section.png").string();
+  const auto run = test::run_program({"texture", photo, "--pixel-size", "0.2", "--finish", "honed", "--param",
+                                      "relief=0.1", "--dry-run", "--no-cache"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("maps"), std::string::npos) << run.out;
+  EXPECT_EQ(test::run_program({"texture"}).exit_code, 2);
+  const auto wrong = test::run_program({"texture", photo, "--finish", "shiny", "--dry-run", "--no-cache"});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_NE(wrong.err.find("weathered"), std::string::npos) << wrong.err;
+}
+
 TEST(GraphOmitted, IsNotAnEmptyName) {
   const auto run = test::run_program({"run", "", "--dry-run", "--no-cache"});
   EXPECT_EQ(run.exit_code, 2);

@@ -77,6 +77,7 @@ int run_command(int argc, char** argv, const Program& program) {
   app.set_version_flag("--version", std::string("terrazzo ") + program_version);
   int exit_code = cli::kDone;
   cli::add_run(app, program, exit_code);
+  cli::add_texture(app, program, exit_code);
   cli::add_check(app, program, exit_code);
   cli::add_show(app, program, exit_code);
   cli::add_explain(app, program, exit_code);

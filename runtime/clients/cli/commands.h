@@ -18,6 +18,7 @@ void add_run_options(CLI::App&, GraphOptions&);  // cache options, --out, --thre
 
 // Each function adds one command, whose callback stores the exit code.
 void add_run(CLI::App&, const Program&, int& exit_code);
+void add_texture(CLI::App&, const Program&, int& exit_code);
 void add_check(CLI::App&, const Program&, int& exit_code);
 void add_show(CLI::App&, const Program&, int& exit_code);
 void add_explain(CLI::App&, const Program&, int& exit_code);

@@ -148,4 +148,42 @@ void add_run(CLI::App& app, const Program& program, int& exit_code) {
   });
 }
 
+void add_texture(CLI::App& app, const Program& program, int& exit_code) {
+  struct TextureCommand : RunCommand {
+    std::string photo, pixel_size, resolution, finish;  // parameters of graphs/materials/texture_set.yaml
+  };
+  auto* command = app.add_subcommand("texture", "Make texture maps that tile from a photograph");
+  auto o = std::make_shared<TextureCommand>();
+  command->add_option("photo", o->photo, "Photograph of a section")
+      ->type_name(placeholder::image)
+      ->required();
+  command
+      ->add_option("--pixel-size", o->pixel_size,
+                   "Edge length of a pixel of the photograph in mm (default: 0.1)")
+      ->type_name(placeholder::number);
+  command
+      ->add_option("--resolution", o->resolution, "Pixels along the longer edge of the maps (default: 2048)")
+      ->type_name(placeholder::number);
+  command
+      ->add_option("--finish", o->finish, "polished, honed, weathered, broken or loose (default: polished)")
+      ->type_name("FINISH");
+  command->add_option("--param", o->parameters, "Set another parameter of the graph: NAME=VALUE (repeatable)")
+      ->type_name(placeholder::graph_setting)
+      ->take_all()
+      ->expected(1);
+  add_set_option(*command, *o);
+  add_run_options(*command, *o);
+  command->add_flag("--dry-run", o->dry_run, "Show which nodes would run, without running them");
+  command->add_flag("--quiet", o->quiet, "Print errors only");
+  command->callback([o, &program, &exit_code] {
+    o->graph = installed_graph("materials/texture_set.yaml").string();
+    o->parameters.push_back("photo=" + fs::absolute(o->photo).string());
+    for (const auto& [name, value] :
+         {std::pair("pixel_size", &o->pixel_size), std::pair("resolution", &o->resolution),
+          std::pair("finish", &o->finish)})
+      if (!value->empty()) o->parameters.push_back(std::string(name) + "=" + *value);
+    exit_code = run(program, *o);
+  });
+}
+
 }  // namespace terrazzo::cli
