@@ -396,6 +396,8 @@ void texts(Writer& w, const fs::path& source) {
   };
   w.text("provenance.glb", "a.glb",
          "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json);
+  w.text("provenance.mtlx", "a.mtlx",
+         "<?xml version=\"1.0\"?>\n<!-- provenance e30= -->\n<materialx version=\"1.38\"/>\n");
 }
 
 }  // namespace
