@@ -1,5 +1,7 @@
 #include "nodes/data/volume.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <mutex>
@@ -7,6 +9,7 @@
 #include <set>
 #include <sstream>
 
+#include "graph/diagnostic.h"
 #include "nodes/data/volume_tree.h"
 
 namespace terrazzo {
@@ -296,6 +299,12 @@ openvdb::CoordBBox voxels_of(const Volume& volume) {
 
 openvdb::math::Transform::Ptr voxel_transform(double size) {
   initialize_openvdb();
+  constexpr double kSmallest = 1.5e-5;  // OpenVDB takes smaller voxels for empty ones
+  if (!(size >= kSmallest))
+    throw Error(
+        "bad-spacing",
+        fmt::format("voxels of {:.4g} mm are too small: their edges must be at least {} mm", size, kSmallest),
+        "state all lengths in a larger unit, as if 1 µm were 1 mm");
   auto transform = openvdb::math::Transform::createLinearTransform(size);
   transform->postTranslate(openvdb::Vec3d(size / 2));
   return transform;

@@ -15,6 +15,7 @@ using media::PhaseMap;
 
 constexpr int kSlices = 12;     // per axis
 constexpr int kTiles = 4;       // along each side of a picture
+constexpr int kWhole = 2048;    // pixels along each side that are measured as one
 constexpr int kMostReach = 64;  // pixels
 
 // Side in pixels of the tiles that are compared.
@@ -22,17 +23,20 @@ int window_of(const PhaseMap& map, const Vec3i& size) {
   return std::min({map.width / 2, map.height / 2, size.minCoeff()});
 }
 
-PhaseMap cut(const PhaseMap& from, int left, int top, int side) {
-  PhaseMap out{side, side, from.phases, from.pixel_size, {}};
-  for (int y = 0; y < side; ++y)
-    for (int x = 0; x < side; ++x) out.at.push_back(from.at[from.index(left + x, top + y)]);
+PhaseMap cut(const PhaseMap& from, int left, int top, int width, int height) {
+  PhaseMap out{width, height, from.phases, from.pixel_size, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) out.at.push_back(from.at[from.index(left + x, top + y)]);
   return out;
 }
 
-// Evenly placed, from edge to edge; at least two along each side.
+PhaseMap cut(const PhaseMap& from, int left, int top, int side) { return cut(from, left, top, side, side); }
+
+// Evenly placed, from edge to edge; they overlap where they would not cover the picture otherwise.
 std::vector<PhaseMap> tiles_of(const PhaseMap& map, int side) {
   std::vector<PhaseMap> out;
-  const int across = std::min(kTiles, map.width / side), down = std::min(kTiles, map.height / side);
+  const int across = std::min(kTiles, (map.width + side - 1) / side),
+            down = std::min(kTiles, (map.height + side - 1) / side);
   for (int j = 0; j < down; ++j)
     for (int i = 0; i < across; ++i)
       out.push_back(cut(map, i * (map.width - side) / std::max(1, across - 1),
@@ -40,7 +44,12 @@ std::vector<PhaseMap> tiles_of(const PhaseMap& map, int side) {
   return out;
 }
 
-// Columns and rows as in the pictures.
+// The middle of a picture, as much as is measured.
+PhaseMap middle_of(const PhaseMap& map) {
+  const int width = std::min(map.width, kWhole), height = std::min(map.height, kWhole);
+  return cut(map, (map.width - width) / 2, (map.height - height) / 2, width, height);
+}
+
 PhaseMap slice_of(const Solid& solid, const PhaseMap& like, const Vec3i& size, int axis, int at) {
   const int columns = axis == 0 ? 1 : 0, rows = axis == 2 ? 1 : 2;
   PhaseMap out{size[columns], size[rows], like.phases, like.pixel_size, {}};
@@ -112,24 +121,40 @@ double euler_number(const Phase& p) {
   return quarters / 4.0;
 }
 
-Measures measure(const std::vector<PhaseMap>& maps, int phase, int reach) {
-  std::vector<Phase> phases;
-  for (const PhaseMap& m : maps) phases.push_back(phase_of(m, phase));
-  Measures out;
-  auto functions = phase_statistics(phases, reach);
+std::vector<Phase> phases_of(const std::vector<PhaseMap>& maps, int phase) {
+  std::vector<Phase> out;
+  for (const PhaseMap& m : maps) out.push_back(phase_of(m, phase));
+  return out;
+}
+
+// What does not depend on the size of the windows.
+void measure_lines(const std::vector<PhaseMap>& maps, int phase, int reach, Measures& out) {
+  auto functions = phase_statistics(phases_of(maps, phase), reach);
   out.two_point = std::move(functions.two_point);
   out.lineal_path = std::move(functions.lineal_path);
-  out.cluster = cluster_function(phases, reach);
-  const double pixel = maps[0].pixel_size;
   out.fraction = out.two_point[0];
   // Ends of chords per length of the lines.
-  const double ends = 2 * (out.two_point[0] - out.two_point[1]) / pixel;
+  const double ends = 2 * (out.two_point[0] - out.two_point[1]) / maps[0].pixel_size;
   out.chord = ends > 0 ? 2 * out.fraction / ends : 0;
   out.surface = 2 * ends;
+}
+
+// What does.
+void measure_windows(const std::vector<PhaseMap>& maps, int phase, int reach, Measures& out) {
+  const auto phases = phases_of(maps, phase);
+  const double pixel = maps[0].pixel_size;
+  out.cluster = cluster_function(phases, reach);
   for (const Phase& p : phases) {
     out.euler += euler_number(p) / (phases.size() * pixel * pixel * p.width * p.height);
     out.spanning += spanning(p) / phases.size();
   }
+}
+
+Measures measure(const std::vector<PhaseMap>& maps, const std::vector<PhaseMap>& windows, int phase,
+                 int reach) {
+  Measures out;
+  measure_lines(maps, phase, reach, out);
+  measure_windows(windows, phase, reach, out);
   return out;
 }
 
@@ -177,9 +202,10 @@ std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, con
     const auto slices = slices_of(solid, pictures[p], options, static_cast<int>(p), side);
     for (int phase = 0; phase < pictures[p].phases; ++phase) {
       work.check();
-      const Measures of_picture = measure(tiles, phase, reach), of_solid = measure(slices, phase, reach);
+      const Measures of_picture = measure({middle_of(pictures[p])}, tiles, phase, reach),
+                     of_solid = measure(slices, slices, phase, reach);
       std::vector<Measures> parts;
-      for (const PhaseMap& t : tiles) parts.push_back(measure({t}, phase, reach));
+      for (const PhaseMap& t : tiles) parts.push_back(measure({t}, {t}, phase, reach));
       const auto add = [&](const char* name, const char* unit, auto&& get) {
         out.push_back(agreement(name, unit, of_picture, of_solid, parts, get));
         out.back().picture = static_cast<int>(p);

@@ -20,8 +20,9 @@ struct Agreement {
   double scatter = 0;  // the same of the tiles: standard deviation, mean absolute difference
 };
 
-// The solid's slices across the axes that show a picture, and the picture in tiles of the same size, which is
-// at most half the picture's, since cluster functions and connections depend on the size of the window.
+// The solid's slices across the axes that show a picture, and the picture. Cluster functions, Euler numbers
+// and connections depend on the size of the window, so they are those of tiles of the slices' size, at most
+// half the picture's. The picture counts up to 2,048 pixels along each side.
 std::vector<Agreement> compare_slices(const std::vector<media::PhaseMap>&, const DescentOptions&,
                                       const Solid&, const Work&);
 

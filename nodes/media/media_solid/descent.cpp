@@ -18,7 +18,6 @@ constexpr int kReach = 8;         // spacings go up to this fraction of the shor
 constexpr int kWidest = 4;        // spacing at one level: coarser levels match longer ones
 constexpr int kLeastVoxels = 6;   // along the shortest edge of the coarsest level
 constexpr double kFewPlaces = 8;  // a frequency is known to that many places of the picture
-constexpr int kCoarseSweeps = 60, kFineSweeps = 20;
 // A temperature of 1 accepts what a random solid with these frequencies would show.
 constexpr double kCoarseHeat = 10, kFineHeat = 5;
 constexpr double kCooled = 0.8;    // share of the sweeps after which the temperature is 0
@@ -130,8 +129,11 @@ std::vector<std::int64_t> counts_of(const std::vector<double>& fractions, std::i
   return out;
 }
 
+// Coarse levels decide on the structure and are cheap.
+int sweeps_at(int stride) { return stride == 1 ? 12 : stride == 2 ? 30 : 60; }
+
 DescentLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
-  const int sweeps = stride > 1 ? kCoarseSweeps : kFineSweeps;
+  const int sweeps = sweeps_at(stride);
   const double heat = stride > 1 ? kCoarseHeat : kFineHeat;
   DescentLevel out{stride, 0, level.mismatch(), 0};
   for (int s = 0; s < sweeps; ++s) {
@@ -162,9 +164,15 @@ Solid synthesize(const std::vector<PhaseMap>& pictures, const DescentOptions& op
     out.phase =
         size.isZero() ? noise(voxels_in(finer), fractions, options.seed) : enlarge(out.phase, size, finer);
     size = finer;
-    // Each level takes eight times as long per sweep as the one before.
-    const double until = stride == 1 ? 1 : std::pow(0.125, std::log2(stride)) * kCoarseSweeps / kFineSweeps;
-    const Work part = work.part(std::min(0.9, done), std::min(0.9, until));
+    // In proportion to the voxels that are visited at this level and at all.
+    const auto visits = [&](int level) { return sweeps_at(level) / std::pow(level, 3.0); };
+    double until = 0, all = 0;
+    for (const int level : strides) {
+      all += visits(level);
+      if (level >= stride) until += visits(level);
+    }
+    until /= all;
+    const Work part = work.part(done, until);
     done = until;
     part.progress(0, fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()));
     Level level(std::move(out.phase), size, phases, targets.at(stride, size), kFewPlaces / pixels, part);

@@ -154,6 +154,7 @@ void compute(Context& c) {
   Pictures pictures = pictures_of(c);
   check_pictures(pictures);
   const DescentOptions options = options_of(c, pictures.maps);
+  check_voxel(pictures.maps[0].pixel_size);
   require_memory(memory_forecast(options.size), c.memory(), "the solid");
   warn_of_structures(c, pictures.maps);
   const Solid solid = synthesize(pictures.maps, options, c.work().part(0, 0.93));

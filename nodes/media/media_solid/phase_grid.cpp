@@ -4,6 +4,8 @@
 
 namespace terrazzo::media_solid {
 
+void check_voxel(double voxel) { voxel_transform(voxel); }
+
 Volume phase_volume(const std::vector<std::uint8_t>& phase, const Vec3i& size, double voxel,
                     const std::vector<Vec3f>& color, const Work& work) {
   initialize_openvdb();

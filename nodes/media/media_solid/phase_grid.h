@@ -9,6 +9,9 @@
 
 namespace terrazzo::media_solid {
 
+// Throws Error "bad-spacing" if voxels of this edge, mm, are too small for OpenVDB.
+void check_voxel(double voxel);
+
 // A volume that tiles, with the grids `phase` and `Cd`; `voxel` in mm, `color` of each phase.
 Volume phase_volume(const std::vector<std::uint8_t>& phase, const Vec3i& size, double voxel,
                     const std::vector<Vec3f>& color, const Work&);

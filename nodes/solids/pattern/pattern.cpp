@@ -85,7 +85,7 @@ Vec3f bone(std::uint64_t seed, const Vec3& p) {
 // Grains of quartz that touch in places, with pores between them.
 Vec3f sandstone(std::uint64_t seed, const Vec3& p) {
   const Vec3 q = p + 0.15 * Vec3(noise(seed, 2 * p), noise(seed + 1, 2 * p), noise(seed + 2, 2 * p));
-  const double gap = 0.22 + 0.5 * noise(seed + 3, 0.8 * p);
+  const double gap = 0.1 + 0.35 * noise(seed + 3, 0.8 * p);
   return cellular(seed + 4, q).edge < gap ? hex(0x303030) : hex(0xb8b8b8);
 }
 

@@ -16,7 +16,7 @@ struct PatternOptions {
   double offset = 0;  // mm along the axis
   int width = 128, height = 128;
   double pixel_size = 0.1;  // mm
-  double scale = 2;         // mm: width of a ring, distance of veins, diameter of a bundle, lobule or grain, wave
+  double scale = 2;  // mm: width of a ring, distance of veins, diameter of a bundle, lobule or grain, wave
   std::uint64_t seed = 1;
 };
 

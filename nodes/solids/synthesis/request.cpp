@@ -118,9 +118,11 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   std::vector<SolidExemplar>& exemplars = request.exemplars;
   s.size = one_or_three(c, "size");
   std::array<int, 3> source = {0, 0, 0};
+  std::vector<std::string> ports;  // of each exemplar
   for (int a = 0; a < 3; ++a) {
     if (!c.has(kPorts[a])) continue;
     source[a] = exemplars.size();
+    ports.push_back(kPorts[a]);
     exemplars.push_back(exemplar_of(c, kPorts[a], exemplars.size()));
   }
   for (const char* list : {"masks", "features"})
@@ -132,8 +134,15 @@ SolidRequest read_request(Context& c, SolidMethod method) {
   const int most = c.keyword("exemplar_size").empty() ? static_cast<int>(c.integer("exemplar_size"))
                                                       : std::max(64, s.size.maxCoeff());
   for (std::size_t e = 0; e < exemplars.size(); ++e) {
+    const int width = exemplars[e].width, height = exemplars[e].height;
     const double by = fit(exemplars[e], most);
     if (e == 0) request.voxel *= by;
+    if (by > 1 && !c.keyword("exemplar_size").empty())
+      c.warn(
+          fmt::format("{} is reduced from {} × {} to {} × {} pixels, so that it fits the solid; set "
+                      "exemplar_size to keep "
+                      "its details",
+                      ports[e], width, height, exemplars[e].width, exemplars[e].height));
   }
   for (std::size_t e = 1; e < exemplars.size(); ++e)
     if (std::min(exemplars[e].width, exemplars[e].height) !=
