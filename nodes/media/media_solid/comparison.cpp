@@ -144,10 +144,14 @@ void measure_windows(const std::vector<PhaseMap>& maps, int phase, int reach, Me
   const auto phases = phases_of(maps, phase);
   const double pixel = maps[0].pixel_size;
   out.cluster = cluster_function(phases, reach);
+  double area = 0, spanned = 0, pieces = 0;
   for (const Phase& p : phases) {
-    out.euler += euler_number(p) / (phases.size() * pixel * pixel * p.width * p.height);
-    out.spanning += spanning(p) / phases.size();
+    pieces += euler_number(p);
+    area += pixel * pixel * p.width * p.height;
+    spanned += spanning(p);
   }
+  out.euler = pieces / area;
+  out.spanning = spanned / static_cast<double>(phases.size());
 }
 
 Measures measure(const std::vector<PhaseMap>& maps, const std::vector<PhaseMap>& windows, int phase,

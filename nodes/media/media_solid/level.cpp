@@ -208,19 +208,22 @@ std::vector<std::uint32_t> Level::interface(const Work& work) const {
       });
 }
 
+double Level::gain(std::uint32_t voxel, const std::vector<Around>& around, int to, std::uint64_t seed,
+                   double temperature) const {
+  const double c = cost(around, field_[voxel], to);
+  if (temperature <= 0) return -c;
+  return -c - temperature * std::log(1 - Random(seed, 2 + static_cast<std::uint64_t>(to), voxel).uniform());
+}
+
 int Level::propose(std::uint32_t voxel, const std::vector<Around>& around, std::uint64_t seed,
                    double temperature) const {
-  const int from = field_[voxel];
   const unsigned others = neighbors(voxel);
-  Random random(seed, 2, voxel);
-  int best = from;
-  double least = 0;
+  int best = field_[voxel];
+  double most = 0;
   for (int to = 0; to < phases_; ++to) {
-    if (to == from || !(others >> to & 1)) continue;
-    double c = cost(around, from, to);
-    if (temperature > 0) c += temperature * std::log(1 - random.uniform());
-    if (c < least) {
-      least = c;
+    if (to == field_[voxel] || !(others >> to & 1)) continue;
+    if (const double g = gain(voxel, around, to, seed, temperature); g > most) {
+      most = g;
       best = to;
     }
   }
@@ -243,14 +246,13 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
         wanted[i] = static_cast<std::uint8_t>(propose(order[first + i], own, seed, temperature));
       }
     });
-    // Decide again, one after the other, on the counts that the changes before have left.
+    // Weigh them again, one after the other, on the counts that the changes before have left.
     for (std::size_t i = 0; i < n; ++i) {
       const std::uint32_t v = order[first + i];
       if (wanted[i] == field_[v]) continue;
       gather(v, around);
-      const int to = propose(v, around, seed, temperature);
-      if (to == field_[v]) continue;
-      apply(v, around, to);
+      if (gain(v, around, wanted[i], seed, temperature) <= 0) continue;
+      apply(v, around, wanted[i]);
       ++changes;
     }
     work.done(static_cast<double>(first + n), static_cast<double>(order.size()));

@@ -65,6 +65,9 @@ class Level {
   void count_all(const Work&);
   unsigned neighbors(std::uint32_t voxel) const;  // bit p: phase p across a face
   std::vector<std::uint32_t> interface(const Work&) const;
+  // What a change lowers the cost by, more than the temperature asks at this voxel; above 0 it is made.
+  double gain(std::uint32_t voxel, const std::vector<Around>&, int to, std::uint64_t seed,
+              double temperature) const;
   // The best phase at this temperature, or the present one.
   int propose(std::uint32_t voxel, const std::vector<Around>&, std::uint64_t seed, double temperature) const;
 
