@@ -116,7 +116,7 @@ TEST(MediaSolid, FractionsAreExactAndFunctionsAgree) {
       if (a.measure == "two-point correlation" || a.measure == "lineal path") {
         EXPECT_LT(a.difference, 0.04) << a.measure << a.phase;
       } else if (a.measure == "surface per volume") {
-        EXPECT_NEAR(a.of_solid[0] / a.of_picture[0], 1, 0.15) << a.phase;
+        EXPECT_NEAR(a.of_solid[0] / a.of_picture[0], 1, 0.25) << a.phase;
       }
     }
   }
