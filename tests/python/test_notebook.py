@@ -68,6 +68,6 @@ solid = g.SolidOptimize(exemplar=g.Pattern(kind="marble", width=128, height=128)
     assert [c["data"]["text/html"] for kind, c in stopped if kind == "update_display_data"][-1] == ""  # removed
     assert not [c for kind, c in stopped if kind == "stream"]
     # The kernel and the graph are as before.
-    shown = messages(client, "solid['size'] = 16; print(solid.volume.value().resolution); t.image([[0.5]])")
+    shown = messages(client, "solid['size'] = 16; solid['exemplar_size'] = 64; print(solid.volume.value().resolution); t.image([[0.5]])")
     assert [c["text"] for kind, c in shown if kind == "stream"] == ["(16, 16, 16)\n"]
     assert ["image/png" in c["data"] for kind, c in shown if kind == "execute_result"] == [True]

@@ -40,6 +40,13 @@ std::vector<float> floats(const Image& image, int channels) {
 
 bool is(const MapName& map, const Image* MaterialMaps::*image) { return map.image == image; }
 
+void require_one_section(const char* name, const Image& image) {
+  if (image.sections != 1)
+    throw Error("format-does-not-fit",
+                fmt::format("{} has {} sections, but a map has one", name, image.sections),
+                "connect an image of one section");
+}
+
 std::string png_of(const Image& image, const std::vector<std::uint8_t>& bytes) {
   PictureEncoding encoding;
   encoding.width = image.width;
@@ -79,6 +86,11 @@ void require_equal_sizes(const MaterialMaps& maps) {
     throw Error("missing-input", "a material needs the map base_color, which is not connected",
                 "connect TextureSet.base_color");
   for (const MapName& map : kMaps)
+    if (const Image* image = maps.*map.image) {
+      require_one_section(map.name, *image);
+      require_finite(map, *image);
+    }
+  for (const MapName& map : kMaps)
     if (const Image* image = maps.*map.image;
         image && (image->width != maps.base_color->width || image->height != maps.base_color->height))
       throw Error("size-mismatch",
@@ -91,6 +103,7 @@ void require_equal_sizes(const MaterialMaps& maps) {
 
 void write_map(const std::filesystem::path& path, const MapName& map, const Image& image,
                const std::string& provenance) {
+  require_one_section(map.name, image);
   if (is(map, &MaterialMaps::base_color)) return write_picture(path, image, 0, provenance);
   require_finite(map, image);
   const std::string extension = path.extension().string();

@@ -11,26 +11,32 @@
 
 namespace terrazzo::media_solid {
 namespace {
+using media::cut;
 using media::PhaseMap;
 
-constexpr int kSlices = 12;     // per axis
-constexpr int kTiles = 4;       // along each side of a picture
-constexpr int kWhole = 2048;    // pixels along each side that are measured as one
-constexpr int kMostReach = 64;  // pixels
+constexpr int kSlices = 12;        // per axis
+constexpr int kTiles = 4;          // along each side of a picture
+constexpr double kObserved = 0.9;  // least share of a tile
+constexpr int kWhole = 2048;       // pixels along each side that are measured as one
+constexpr int kMostReach = 64;     // pixels
 
 // Side in pixels of the tiles that are compared.
 int window_of(const PhaseMap& map, const Vec3i& size) {
   return std::min({map.width / 2, map.height / 2, size.minCoeff()});
 }
 
-PhaseMap cut(const PhaseMap& from, int left, int top, int width, int height) {
-  PhaseMap out{width, height, from.phases, from.pixel_size, {}};
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) out.at.push_back(from.at[from.index(left + x, top + y)]);
-  return out;
+double observed_share(const PhaseMap& map) {
+  const auto unknown = std::count(map.at.begin(), map.at.end(), media::kUnobserved);
+  return 1 - static_cast<double>(unknown) / static_cast<double>(map.at.size());
 }
 
-PhaseMap cut(const PhaseMap& from, int left, int top, int side) { return cut(from, left, top, side, side); }
+// Tiles of which little is observed say little; the best ones remain.
+std::vector<PhaseMap> observed_tiles(std::vector<PhaseMap> tiles) {
+  double best = 0;
+  for (const PhaseMap& t : tiles) best = std::max(best, observed_share(t));
+  std::erase_if(tiles, [&](const PhaseMap& t) { return observed_share(t) < std::min(kObserved, best); });
+  return tiles;
+}
 
 // Evenly placed, from edge to edge; they overlap where they would not cover the picture otherwise.
 std::vector<PhaseMap> tiles_of(const PhaseMap& map, int side) {
@@ -40,14 +46,8 @@ std::vector<PhaseMap> tiles_of(const PhaseMap& map, int side) {
   for (int j = 0; j < down; ++j)
     for (int i = 0; i < across; ++i)
       out.push_back(cut(map, i * (map.width - side) / std::max(1, across - 1),
-                        j * (map.height - side) / std::max(1, down - 1), side));
+                        j * (map.height - side) / std::max(1, down - 1), side, side));
   return out;
-}
-
-// The middle of a picture, as much as is measured.
-PhaseMap middle_of(const PhaseMap& map) {
-  const int width = std::min(map.width, kWhole), height = std::min(map.height, kWhole);
-  return cut(map, (map.width - width) / 2, (map.height - height) / 2, width, height);
 }
 
 PhaseMap slice_of(const Solid& solid, const PhaseMap& like, const Vec3i& size, int axis, int at) {
@@ -64,15 +64,14 @@ PhaseMap slice_of(const Solid& solid, const PhaseMap& like, const Vec3i& size, i
   return out;
 }
 
-std::vector<PhaseMap> slices_of(const Solid& solid, const PhaseMap& like, const DescentOptions& options,
-                                int picture, int side) {
+std::vector<PhaseMap> slices_of(const Solid& solid, const PhaseMap& like, const AnnealOptions& options,
+                                int picture) {
   std::vector<PhaseMap> out;
   for (int axis = 0; axis < 3; ++axis) {
     if (options.plane[axis] != picture) continue;
     const int slices = std::min(kSlices, options.size[axis]);
     for (int k = 0; k < slices; ++k)
-      out.push_back(
-          cut(slice_of(solid, like, options.size, axis, k * options.size[axis] / slices), 0, 0, side));
+      out.push_back(slice_of(solid, like, options.size, axis, k * options.size[axis] / slices));
   }
   return out;
 }
@@ -147,7 +146,7 @@ void measure_windows(const std::vector<PhaseMap>& maps, int phase, int reach, Me
   double area = 0, spanned = 0, pieces = 0;
   for (const Phase& p : phases) {
     pieces += euler_number(p);
-    area += pixel * pixel * p.width * p.height;
+    area += pixel * pixel * static_cast<double>(p.in.size() - std::count(p.in.begin(), p.in.end(), 2));
     spanned += spanning(p);
   }
   out.euler = pieces / area;
@@ -197,17 +196,20 @@ Agreement agreement(const char* name, const char* unit, const Measures& picture,
 
 }  // namespace
 
-std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, const DescentOptions& options,
+std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, const AnnealOptions& options,
                                       const Solid& solid, const Work& work) {
   std::vector<Agreement> out;
   for (std::size_t p = 0; p < pictures.size(); ++p) {
     const int side = window_of(pictures[p], options.size), reach = std::min(kMostReach, side / 2);
-    const auto tiles = tiles_of(pictures[p], side);
-    const auto slices = slices_of(solid, pictures[p], options, static_cast<int>(p), side);
+    const auto tiles = observed_tiles(tiles_of(pictures[p], side));
+    const auto slices = slices_of(solid, pictures[p], options, static_cast<int>(p));
+    std::vector<PhaseMap> windows;
+    for (const PhaseMap& s : slices)
+      for (PhaseMap& w : tiles_of(s, side)) windows.push_back(std::move(w));
     for (int phase = 0; phase < pictures[p].phases; ++phase) {
       work.check();
-      const Measures of_picture = measure({middle_of(pictures[p])}, tiles, phase, reach),
-                     of_solid = measure(slices, slices, phase, reach);
+      const Measures of_picture = measure({middle_of(pictures[p], kWhole)}, tiles, phase, reach),
+                     of_solid = measure(slices, windows, phase, reach);
       std::vector<Measures> parts;
       for (const PhaseMap& t : tiles) parts.push_back(measure({t}, {t}, phase, reach));
       const auto add = [&](const char* name, const char* unit, auto&& get) {
@@ -234,18 +236,18 @@ std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, con
   return out;
 }
 
-std::vector<Shown> show(const std::vector<PhaseMap>& pictures, const DescentOptions& options,
+std::vector<Shown> show(const std::vector<PhaseMap>& pictures, const AnnealOptions& options,
                         const Solid& solid) {
   int side = options.size.minCoeff();
   for (const PhaseMap& p : pictures) side = std::min({side, p.width, p.height});
   std::vector<Shown> out;
   for (std::size_t p = 0; p < pictures.size(); ++p)
-    out.push_back(
-        {pictures.size() > 1 ? fmt::format("picture {}", p + 1) : "picture", cut(pictures[p], 0, 0, side)});
+    out.push_back({pictures.size() > 1 ? fmt::format("picture {}", p + 1) : "picture",
+                   cut(pictures[p], 0, 0, side, side)});
   for (int axis = 0; axis < 3; ++axis)
     out.push_back(
         {fmt::format("solid across {}", "xyz"[axis]),
-         cut(slice_of(solid, pictures[0], options.size, axis, options.size[axis] / 2), 0, 0, side)});
+         cut(slice_of(solid, pictures[0], options.size, axis, options.size[axis] / 2), 0, 0, side, side)});
   return out;
 }
 

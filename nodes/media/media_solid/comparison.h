@@ -6,7 +6,7 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
-#include "nodes/media/media_solid/descent.h"
+#include "nodes/media/media_solid/anneal.h"
 
 namespace terrazzo::media_solid {
 
@@ -23,8 +23,8 @@ struct Agreement {
 // The solid's slices across the axes that show a picture, and the picture. Cluster functions, Euler numbers
 // and connections depend on the size of the window, so they are those of tiles of the slices' size, at most
 // half the picture's. The picture counts up to 2,048 pixels along each side.
-std::vector<Agreement> compare_slices(const std::vector<media::PhaseMap>&, const DescentOptions&,
-                                      const Solid&, const Work&);
+std::vector<Agreement> compare_slices(const std::vector<media::PhaseMap>&, const AnnealOptions&, const Solid&,
+                                      const Work&);
 
 Table agreement_table(const std::vector<Agreement>&);
 
@@ -34,7 +34,7 @@ struct Shown {
   media::PhaseMap map;
 };
 // The first tile of each picture and the middle slices across x, y and z, all of one size.
-std::vector<Shown> show(const std::vector<media::PhaseMap>&, const DescentOptions&, const Solid&);
+std::vector<Shown> show(const std::vector<media::PhaseMap>&, const AnnealOptions&, const Solid&);
 // These pictures above the functions of the first picture.
 Image agreement_figure(const std::vector<Agreement>&, const std::vector<Shown>&);
 

@@ -29,7 +29,7 @@ constexpr int kMiddle[9] = {256, 128, 64, 32, 16, 8, 4, 2, 1};
 
 }  // namespace
 
-void Level::Table::change(int pattern, int by) {
+void Level::PatternCounts::change(int pattern, std::int64_t by) {
   const std::int64_t e = excess[pattern] += by;
   const float w = weight[pattern];
   step[pattern] = {w * static_cast<float>(1 - 2 * e), w * static_cast<float>(1 + 2 * e)};
@@ -49,7 +49,7 @@ Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
     groups_.push_back({t.axis == 0 ? 1 : 0, t.axis == 2 ? 1 : 2, t.spacing, 3 * (t.spacing - 1)});
     widest = std::max(widest, t.spacing);
     for (int p = 0; p < counted_; ++p) {
-      Table& table = tables_.emplace_back();
+      PatternCounts& table = tables_.emplace_back();
       for (int k = 0; k < kPatterns; ++k) {
         const double expected = t.phase[first_ + p][k] * voxels;
         table.excess[k] = -std::llround(expected);
@@ -129,7 +129,7 @@ void Level::apply(std::uint32_t voxel, const std::vector<Around>& around, int to
   const int from = field_[voxel];
   const auto flip = [&](int phase) {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      Table& table = tables_[g * counted_ + (phase - first_)];
+      PatternCounts& table = tables_[g * counted_ + (phase - first_)];
       const std::uint32_t b = bits(around[g], phase);
       for (int k = 0; k < 9; ++k) {
         const int pattern = pattern_at(b, kCorners[k]);
@@ -175,7 +175,7 @@ void Level::count_all(const Work& work) {
             for (int k = 0; k < kPatterns; ++k) a[k] += b[k];
             return a;
           });
-      for (int k = 0; k < kPatterns; ++k) tables_[g * counted_ + p].change(k, static_cast<int>(counts[k]));
+      for (int k = 0; k < kPatterns; ++k) tables_[g * counted_ + p].change(k, counts[k]);
     }
   }
 }
@@ -260,43 +260,47 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
   return changes;
 }
 
-void Level::settle(const std::vector<std::int64_t>& count) {
+void Level::settle(const std::vector<std::int64_t>& count, const Work& work) {
   std::vector<std::int64_t> excess(phases_, 0);
   for (const std::uint8_t p : field_) ++excess[p];
   for (int p = 0; p < phases_; ++p) excess[p] -= count[p];
-  std::vector<Around> around(groups_.size());
   for (int from = 0; from < phases_; ++from)
-    for (int to = 0; to < phases_; ++to) {
-      const std::int64_t n = std::min(excess[from], -excess[to]);
-      if (n <= 0) continue;
-      std::vector<std::pair<double, std::uint32_t>> costs;
-      const bool meet = [&] {
-        for (std::uint32_t v = 0; v < field_.size(); ++v)
-          if (field_[v] == from && (neighbors(v) >> to & 1)) costs.emplace_back(0, v);
-        return static_cast<std::int64_t>(costs.size()) >= n;
-      }();
-      if (!meet) {
-        costs.clear();
-        for (std::uint32_t v = 0; v < field_.size(); ++v)
-          if (field_[v] == from) costs.emplace_back(0, v);
+    for (int to = 0; to < phases_; ++to)
+      if (const std::int64_t n = std::min(excess[from], -excess[to]); n > 0) {
+        move_cheapest(from, to, static_cast<std::size_t>(n), work);
+        excess[from] -= n;
+        excess[to] += n;
       }
-      for (auto& [c, v] : costs) {
-        gather(v, around);
-        c = cost(around, from, to);
-      }
-      std::partial_sort(costs.begin(), costs.begin() + n, costs.end());
-      for (std::int64_t k = 0; k < n; ++k) {
-        gather(costs[k].second, around);
-        apply(costs[k].second, around, to);
-      }
-      excess[from] -= n;
-      excess[to] += n;
+}
+
+void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
+  std::vector<std::uint32_t> at;
+  for (const std::uint32_t v : interface(work))
+    if (field_[v] == from && (neighbors(v) >> to & 1)) at.push_back(v);
+  if (at.size() < n) {  // the phases hardly touch
+    at.clear();
+    for (std::size_t v = 0; v < field_.size(); ++v)
+      if (field_[v] == from) at.push_back(static_cast<std::uint32_t>(v));
+  }
+  std::vector<std::pair<double, std::uint32_t>> costs(at.size());
+  work.parallel(at.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    std::vector<Around> around(groups_.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      gather(at[i], around);
+      costs[i] = {cost(around, from, to), at[i]};
     }
+  });
+  std::partial_sort(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(n), costs.end());
+  std::vector<Around> around(groups_.size());
+  for (std::size_t k = 0; k < n; ++k) {
+    gather(costs[k].second, around);
+    apply(costs[k].second, around, to);
+  }
 }
 
 double Level::mismatch() const {
   double sum = 0;
-  for (const Table& t : tables_)
+  for (const PatternCounts& t : tables_)
     for (int k = 0; k < kPatterns; ++k)
       sum += t.weight[k] * static_cast<double>(t.excess[k]) * static_cast<double>(t.excess[k]);
   return sum / static_cast<double>(field_.size());

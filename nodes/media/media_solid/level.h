@@ -31,7 +31,7 @@ class Level {
   std::size_t sweep(std::uint64_t seed, double temperature, const Work&);
 
   // Changes the voxels that cost least until phase p has count[p] voxels.
-  void settle(const std::vector<std::int64_t>& count);
+  void settle(const std::vector<std::int64_t>& count, const Work&);
 
   // Σ over targets, phases and patterns of (p − q)² / (q + q₀).
   double mismatch() const;
@@ -43,11 +43,11 @@ class Level {
   struct Step {
     float remove, add;  // cost of one pattern less, one more
   };
-  struct Table {
+  struct PatternCounts {
     std::array<std::int64_t, kPatterns> excess;  // count − target
     std::array<float, kPatterns> weight;
     std::array<Step, kPatterns> step;
-    void change(int pattern, int by);
+    void change(int pattern, std::int64_t by);
   };
   struct Group {                 // slices across one axis at one spacing
     int columns, rows, spacing;  // axes along which columns and rows run
@@ -61,6 +61,7 @@ class Level {
   std::uint32_t bits(const Around&, int phase) const;
   double cost_of(const std::vector<Around>&, int phase) const;
   double cost(const std::vector<Around>&, int from, int to) const;
+  void move_cheapest(int from, int to, std::size_t n, const Work&);
   void apply(std::uint32_t voxel, const std::vector<Around>&, int to);
   void count_all(const Work&);
   unsigned neighbors(std::uint32_t voxel) const;  // bit p: phase p across a face
@@ -77,7 +78,7 @@ class Level {
   int phases_, counted_, first_;  // phases, those that count, the first of these
   std::vector<Group> groups_;
   std::vector<std::vector<std::uint32_t>> reach_;  // [spacing and axis][position][5]: where in field_
-  std::vector<Table> tables_;                      // [group][phase that counts]
+  std::vector<PatternCounts> tables_;              // [group][phase that counts]
 };
 
 }  // namespace terrazzo::media_solid

@@ -12,6 +12,7 @@
 #include "nodes/media/media_solid/phase_grid.h"
 #include "nodes/media/micrograph/find_phases.h"
 #include "nodes/media/micrograph/structure.h"
+#include "nodes/media/micrograph/unobserved.h"
 #include "runtime/context.h"
 #include "runtime/memory.h"
 
@@ -19,8 +20,10 @@ namespace terrazzo::media_solid {
 namespace {
 using media::PhaseMap;
 
-constexpr int kLeastSide = 32;         // pixels
-constexpr double kDirected = 0.35;     // as SolidOptimize
+constexpr int kLeastSide = 32;  // pixels
+constexpr double kMostVoxels = 2147483647;
+constexpr double kDirected =
+    0.35;  // from there on grain cannot run the same way on three planes, as in SolidOptimize
 constexpr double kFewStructures = 16;  // correlation lengths along a side of the picture
 constexpr const char* kAxes = "xyz";
 
@@ -39,6 +42,25 @@ void mask_out(PhaseMap& map, const Labels& mask, std::size_t number) {
     if (mask.ids[i] != 0) map.at[i] = media::kUnobserved;
 }
 
+PhaseMap of_labels(Context& c, const Labels& labels, const Labels* mask, std::size_t number) {
+  if (labels.sections > 1) c.warn("only the first section of labels is used");
+  PhaseMap out = media::phase_map(labels);
+  if (mask) mask_out(out, *mask, number);
+  return out;
+}
+
+media::FoundPhases of_image(Context& c, const Image& image, const Labels* mask) {
+  if (image.sections > 1) c.warn("only the first section of an image is used");
+  require_memory(media::phases_forecast(image), c.memory(), "the phases of the picture");
+  const auto unobserved = media::unobserved_pixels(
+      image, mask, true,
+      [&](const std::string& text) {
+        c.warn(text + "; if they show material, connect labels of Phases instead");
+      },
+      c.work().quiet());
+  return media::find_phases(image, unobserved, {}, c.work().quiet());
+}
+
 Pictures pictures_of(Context& c) {
   const auto& images = c.list("image");
   const auto& labels = c.list("labels");
@@ -46,22 +68,22 @@ Pictures pictures_of(Context& c) {
     throw Error(images.empty() ? "missing-input" : "both-given",
                 images.empty() ? "there is no picture" : "there are images and labels",
                 "connect one to three images, or one to three labels of phases");
+  const auto& masks = c.list("masks");
+  const std::size_t count = images.size() + labels.size();
+  if (count > 3 || masks.size() > count)
+    throw Error("too-many-inputs", fmt::format("{} pictures and {} masks", count, masks.size()),
+                "connect at most three pictures, and at most one mask for each");
   Pictures out;
-  for (const Value& v : images) {
-    if (v.as<Image>().sections > 1) c.warn("only the first section of an image is used");
-    const auto found = media::find_phases(v.as<Image>(), {}, {}, c.work().quiet());
-    if (out.color.empty()) out.color = found.color;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Labels* mask = k < masks.size() ? &masks[k].as<Labels>() : nullptr;
+    if (!labels.empty()) {
+      out.maps.push_back(of_labels(c, labels[k].as<Labels>(), mask, k + 1));
+      continue;
+    }
+    const auto found = of_image(c, images[k].as<Image>(), mask);
+    if (k == 0) out.color = found.color;
     out.maps.push_back(found.map);
   }
-  for (const Value& v : labels) {
-    if (v.as<Labels>().sections > 1) c.warn("only the first section of labels is used");
-    out.maps.push_back(media::phase_maps(v.as<Labels>()).front());
-  }
-  const auto& masks = c.list("masks");
-  if (std::max(out.maps.size(), masks.size()) > 3 || masks.size() > out.maps.size())
-    throw Error("too-many-inputs", fmt::format("{} pictures and {} masks", out.maps.size(), masks.size()),
-                "connect at most three pictures, and at most one mask for each");
-  for (std::size_t k = 0; k < masks.size(); ++k) mask_out(out.maps[k], masks[k].as<Labels>(), k + 1);
   return out;
 }
 
@@ -73,6 +95,10 @@ void check_pictures(Pictures& pictures) {
       throw Error("exemplar-too-small",
                   fmt::format("picture {} has {} × {} pixels", k + 1, m.width, m.height),
                   fmt::format("use at least {0} × {0} pixels", kLeastSide));
+    const auto shares = fractions_of(m);
+    if (std::count_if(shares.begin(), shares.end(), [](double f) { return f > 0; }) < 2)
+      throw Error("one-phase", fmt::format("picture {} shows a single phase where it is observed", k + 1),
+                  "use a picture that shows at least two");
     if (std::abs(m.pixel_size / first.pixel_size - 1) > 0.01)
       throw Error("size-mismatch",
                   fmt::format("a pixel of picture {} is {:.4g} mm, one of picture 1 {:.4g} mm", k + 1,
@@ -88,8 +114,8 @@ void check_pictures(Pictures& pictures) {
 }
 
 // One picture for all planes, two for x and y and for z, three for x, y and z.
-DescentOptions options_of(Context& c, const std::vector<PhaseMap>& maps) {
-  DescentOptions out;
+AnnealOptions options_of(Context& c, const std::vector<PhaseMap>& maps) {
+  AnnealOptions out;
   out.size = one_or_three(c, "size");
   out.seed = c.seed();
   const int last = count_of(maps) - 1;
@@ -115,6 +141,11 @@ DescentOptions options_of(Context& c, const std::vector<PhaseMap>& maps) {
                     directed));
     out.plane[2] = -1;
   }
+  for (int p = 0; p <= last; ++p)
+    if (std::count(out.plane.begin(), out.plane.end(), p) == 0)
+      throw Error("bad-value", fmt::format("no plane shows picture {}", p + 1),
+                  "leave out the picture, or add its axis to planes")
+          .parameter("planes");
   out.turned = last == 0 && directed <= kDirected;
   return out;
 }
@@ -153,8 +184,14 @@ void give_metrics(Context& c, const Solid& solid, const std::vector<Agreement>& 
 void compute(Context& c) {
   Pictures pictures = pictures_of(c);
   check_pictures(pictures);
-  const DescentOptions options = options_of(c, pictures.maps);
+  const AnnealOptions options = options_of(c, pictures.maps);
   check_voxel(pictures.maps[0].pixel_size);
+  if (options.size.cast<double>().prod() > kMostVoxels)
+    throw Error(
+        "too-large",
+        fmt::format("{} × {} × {} voxels are too many", options.size.x(), options.size.y(), options.size.z()),
+        fmt::format("make at most {:.0f} voxels; the solid tiles", kMostVoxels))
+        .parameter("size");
   require_memory(memory_forecast(options.size), c.memory(), "the solid");
   warn_of_structures(c, pictures.maps);
   const Solid solid = synthesize(pictures.maps, options, c.work().part(0, 0.93));

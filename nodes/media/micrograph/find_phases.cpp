@@ -19,7 +19,8 @@ namespace {
 constexpr int kRounds = 10;            // of labels, levels and light in turn
 constexpr double kLeastNoise = 0.002;  // half a step of 8 bits
 constexpr double kSure = 0.9;
-constexpr int kTerms = 6;  // of the quadratic polynomial that describes the light
+constexpr double kSamples = 1e6;  // pixels that the light is fitted to
+constexpr int kTerms = 6;         // of the quadratic polynomial that describes the light
 
 struct Picture {
   int width = 0, height = 0;
@@ -87,8 +88,9 @@ void fit_light(Picture& p, LevelOf&& level) {
   Eigen::Matrix<double, kTerms, kTerms> matrix = decltype(matrix)::Zero();
   Terms right = Terms::Zero(), sum = Terms::Zero();
   double n = 0;
-  for (int y = 0; y < p.height; ++y)
-    for (int x = 0; x < p.width; ++x)
+  const int step = std::max(1, static_cast<int>(std::sqrt(p.in.size() / kSamples)));
+  for (int y = 0; y < p.height; y += step)
+    for (int x = 0; x < p.width; x += step)
       if (p.observed(x, y)) {
         const Terms t = terms_at(p, x, y);
         matrix += t * t.transpose();
@@ -250,6 +252,10 @@ FoundPhases from_start(const Image& image, Picture& picture, const PhaseOptions&
 
 }  // namespace
 
+double phases_forecast(const Image& image) {
+  return 90.0 * static_cast<double>(pixels_in(image.width, image.height));
+}
+
 FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
                         const PhaseOptions& options, const Work& work) {
   Picture picture = picture_of(image, unobserved);
@@ -262,9 +268,9 @@ FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& uno
     uneven = from_start(image, picture, options, work.part(0.5, 1));
   }
   if (even.map.phases == 0 && uneven.map.phases == 0)
-    throw Error("one-phase", "the histogram of the picture has a single peak, so no phases are told apart",
-                "set phases, or use a picture with more contrast between the phases and less noise")
-        .parameter("phases");
+    throw Error(
+        "one-phase", "the histogram of the picture has a single peak, so no phases are told apart",
+        "set phases of Phases, or use a picture with more contrast between the phases and less noise");
   return even.map.phases > 0 && even.separation >= uneven.separation ? even : uneven;
 }
 

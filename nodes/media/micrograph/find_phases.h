@@ -26,6 +26,9 @@ struct FoundPhases {
   double shading = 0;                // range of the light that was removed, in the units of `level`
 };
 
+// Peak memory in bytes, with unobserved_pixels.
+double phases_forecast(const Image&);
+
 // Pixels of the first section where `unobserved` is not 0 do not count; it may be empty. Throws Error
 // "one-phase" if the histogram has a single peak, "bad-pixels", "empty-image".
 FoundPhases find_phases(const Image&, const std::vector<std::uint8_t>& unobserved, const PhaseOptions&,

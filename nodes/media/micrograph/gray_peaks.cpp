@@ -4,8 +4,6 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "graph/diagnostic.h"
-
 namespace terrazzo::media {
 namespace {
 
@@ -26,10 +24,8 @@ struct Histogram {
 Histogram histogram_of(const std::vector<float>& values) {
   Histogram out;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  if (values.empty() || *high - *low < 1e-6)
-    throw Error("one-phase", "the picture has a single gray level", "use a picture that shows two phases");
   out.low = *low;
-  out.width = (*high - *low) / kBins;
+  out.width = std::max(1e-6f, *high - *low) / kBins;
   for (const float v : values) ++out.count[std::min(kBins - 1, static_cast<int>((v - out.low) / out.width))];
   return out;
 }
@@ -130,6 +126,8 @@ std::vector<double> gray_levels(const cv::Mat1f& gray, const std::vector<std::ui
   std::vector<float> all;
   for (std::size_t i = 0; i < observed.size(); ++i)
     if (observed[i]) all.push_back(gray.ptr<float>()[i]);
+  if (*std::max_element(all.begin(), all.end()) - *std::min_element(all.begin(), all.end()) < 1e-6f)
+    return {};
   if (phases > 0) return otsu(histogram_of(all), phases);
   const auto of_all = peaks_of(histogram_of(all)), of_inside = peaks_of(histogram_of(inside(gray, observed)));
   return of_inside.size() > of_all.size() ? of_inside : of_all;

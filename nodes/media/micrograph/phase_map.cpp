@@ -21,28 +21,30 @@ std::vector<double> fractions_of(const PhaseMap& map) {
   return out;
 }
 
-std::vector<PhaseMap> phase_maps(const Labels& labels) {
+PhaseMap phase_map(const Labels& labels) {
   const int highest =
       labels.classes.empty() ? 0 : *std::max_element(labels.classes.begin(), labels.classes.end()) + 1;
   if (highest >= kMostPhases)
     throw Error("too-many-phases", fmt::format("the labels have {} classes", highest),
                 fmt::format("use at most {} phases; with LoadLabels, set kind: classes", kMostPhases));
-  std::vector<PhaseMap> out;
-  const std::size_t pixels = pixels_in(labels.width, labels.height);
-  for (int s = 0; s < labels.sections; ++s) {
-    PhaseMap map{labels.width, labels.height, highest + 1, labels.pixel_size, {}};
-    map.at.resize(pixels);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      const std::int32_t id = labels.ids[s * pixels + i];
-      map.at[i] = id > 0 ? static_cast<std::uint8_t>(labels.classes[id - 1] + 1) : 0;
-    }
-    const auto shares = fractions_of(map);
-    if (std::count_if(shares.begin(), shares.end(), [](double f) { return f > 0; }) < 2)
-      throw Error("one-phase", fmt::format("section {} of the labels shows a single phase", s + 1),
-                  "use a picture that shows at least two");
-    out.push_back(std::move(map));
+  PhaseMap out{labels.width, labels.height, highest + 1, labels.pixel_size, {}};
+  for (std::size_t i = 0; i < pixels_in(labels.width, labels.height); ++i) {
+    const std::int32_t id = labels.ids[i];
+    out.at.push_back(id > 0 ? static_cast<std::uint8_t>(labels.classes[id - 1] + 1) : 0);
   }
   return out;
+}
+
+PhaseMap cut(const PhaseMap& from, int left, int top, int width, int height) {
+  PhaseMap out{width, height, from.phases, from.pixel_size, {}};
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) out.at.push_back(from.at[from.index(left + x, top + y)]);
+  return out;
+}
+
+PhaseMap middle_of(const PhaseMap& map, int side) {
+  const int width = std::min(map.width, side), height = std::min(map.height, side);
+  return cut(map, (map.width - width) / 2, (map.height - height) / 2, width, height);
 }
 
 Labels labels_of(const PhaseMap& map) {

@@ -24,11 +24,15 @@ struct PhaseMap {
 // Share of each phase among the observed pixels.
 std::vector<double> fractions_of(const PhaseMap&);
 
-// One map per section. A pixel's phase is 0 without a profile, else the class of its profile + 1. Throws
-// Error "too-many-phases", and "one-phase" if a section shows fewer than two.
-std::vector<PhaseMap> phase_maps(const Labels&);
+// Of the first section. A pixel's phase is 0 without a profile, else the class of its profile + 1. Throws
+// Error "too-many-phases".
+PhaseMap phase_map(const Labels&);
 
 // The same the other way: profile p is everything of phase p. Unobserved pixels become phase 0.
 Labels labels_of(const PhaseMap&);
+
+// A rectangle of a map, and the middle of one, at most `side` pixels along each edge.
+PhaseMap cut(const PhaseMap&, int left, int top, int width, int height);
+PhaseMap middle_of(const PhaseMap&, int side);
 
 }  // namespace terrazzo::media

@@ -25,20 +25,24 @@ double directedness(const PhaseMap& map) {
   return uu + vv > 0 ? std::hypot(uu - vv, 2 * uv) / (uu + vv) : 0;
 }
 
-double correlation_length(const PhaseMap& map) {
-  const int reach = std::min(map.width, map.height) / 2;
-  std::vector<double> covariance(static_cast<std::size_t>(reach) + 1, 0);
-  for (int phase = 0; phase < map.phases; ++phase) {
-    Phase picture{map.width, map.height, map.at};
-    for (std::uint8_t& p : picture.in) p = p == kUnobserved ? 2 : p == phase;
-    const auto s = phase_statistics({picture}, reach);
-    for (std::size_t r = 0; r < covariance.size(); ++r)
-      covariance[r] += s.two_point[r] - s.two_point[0] * s.two_point[0];
+double correlation_length(const PhaseMap& picture) {
+  const PhaseMap map = middle_of(picture, 2048);
+  const int most = std::max(1, std::min(map.width, map.height) / 8);
+  for (int reach = std::min(16, most);; reach = std::min(2 * reach, most)) {
+    std::vector<double> covariance(static_cast<std::size_t>(reach) + 1, 0);
+    for (int phase = 0; phase < map.phases; ++phase) {
+      Phase in{map.width, map.height, map.at};
+      for (std::uint8_t& p : in.in) p = p == kUnobserved ? 2 : p == phase;
+      const auto s = phase_statistics({in}, reach);
+      for (std::size_t r = 0; r < covariance.size(); ++r)
+        covariance[r] += s.two_point[r] - s.two_point[0] * s.two_point[0];
+    }
+    const double limit = covariance[0] / std::exp(1.0);
+    for (std::size_t r = 1; r < covariance.size(); ++r)
+      if (covariance[r] < limit)
+        return static_cast<double>(r - 1) + (covariance[r - 1] - limit) / (covariance[r - 1] - covariance[r]);
+    if (reach == most) return most;
   }
-  for (std::size_t r = 1; r < covariance.size(); ++r)
-    if (const double limit = covariance[0] / std::exp(1.0); covariance[r] < limit)
-      return static_cast<double>(r - 1) + (covariance[r - 1] - limit) / (covariance[r - 1] - covariance[r]);
-  return reach;
 }
 
 }  // namespace terrazzo::media

@@ -4,7 +4,9 @@
 #include "nodes/data/indices.h"
 #include "nodes/data/table.h"
 #include "nodes/media/micrograph/find_phases.h"
+#include "nodes/media/micrograph/unobserved.h"
 #include "runtime/context.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::phases {
 namespace {
@@ -14,17 +16,15 @@ constexpr double kRare = 0.005;  // share below which a phase may be dirt
 constexpr double kBlurred = 1;   // separation below which noise hides the phases
 constexpr double kUnsure = 0.1;  // share of pixels
 
-// Where the mask has labels.
-std::vector<std::uint8_t> unobserved_in(const Context& c, const Image& image) {
-  const Labels* mask = c.optional<Labels>("mask");
-  if (!mask) return {};
-  if (mask->width != image.width || mask->height != image.height)
-    throw Error("size-mismatch",
-                fmt::format("the mask has {} × {} pixels, the image {} × {}", mask->width, mask->height,
-                            image.width, image.height),
-                "connect a mask of this image");
-  std::vector<std::uint8_t> out;
-  for (std::size_t i = 0; i < pixels_in(image.width, image.height); ++i) out.push_back(mask->ids[i] != 0);
+// 1 where no phase is known.
+Labels labels_of(const PhaseMap& map, const std::vector<std::uint8_t>& unobserved) {
+  Labels out;
+  out.width = map.width;
+  out.height = map.height;
+  out.pixel_size = map.pixel_size;
+  out.ids.assign(map.at.size(), 0);
+  std::copy(unobserved.begin(), unobserved.end(), out.ids.begin());
+  if (!unobserved.empty()) out.classes = {0};
   return out;
 }
 
@@ -46,8 +46,8 @@ void warn_of(Context& c, const FoundPhases& found, const std::vector<double>& fr
     if (fractions[k] < kRare)
       c.warn(
           fmt::format("phase {} fills {:.2f} % of the picture: it may be dirt or the edges of another phase; "
-                      "if so, set phases to {}",
-                      k, 100 * fractions[k], fractions.size() - 1));
+                      "if so, use a mask or fewer phases",
+                      k, 100 * fractions[k]));
   if (found.separation < kBlurred)
     c.warn(
         fmt::format("the noise is as large as the contrast: the levels of two phases differ by {:.2f} times "
@@ -62,11 +62,16 @@ void compute(Context& c) {
   const Image& image = c.input<Image>("image");
   if (image.sections > 1)
     c.warn(fmt::format("the image has {} sections; only the first is used", image.sections));
+  require_memory(phases_forecast(image), c.memory(), "the phases of the picture");
   PhaseOptions options;
   options.phases = static_cast<int>(c.optional_integer("phases").value_or(0));
   options.smoothing = c.number("smoothing");
   options.shading = c.boolean("shading");
-  const FoundPhases found = find_phases(image, unobserved_in(c, image), options, c.work());
+  const auto unobserved = unobserved_pixels(
+      image, c.optional<Labels>("mask"), c.boolean("find_objects"),
+      [&](const std::string& text) { c.warn(text + "; if they show material, set find_objects to false"); },
+      c.work().part(0, 0.2));
+  const FoundPhases found = find_phases(image, unobserved, options, c.work().part(0.2, 1));
   const auto fractions = fractions_of(found.map);
   warn_of(c, found, fractions);
   Table table;
@@ -81,6 +86,7 @@ void compute(Context& c) {
   c.metric("shading", found.shading);
   c.output("figure", figure_of(image, found));
   c.output("labels", labels_of(found.map));
+  c.output("unobserved", labels_of(found.map, unobserved));
   c.output("table", std::move(table));
 }
 
@@ -95,11 +101,10 @@ NodeType phases_node() {
       .doc_("Finds the phases of a micrograph by their gray levels, in spite of noise and uneven light")
       .source_("Zhang, Brady and Smith 2001; Otsu 1979; Weszka and Rosenfeld 1979")
       .input("image", "Image", "Micrograph, in gray or color")
-      .optional_input("mask", {"Labels"},
-                      "Pixels to ignore, where labels are not 0: a scale bar, cracks, the unobserved ones of "
-                      "Segment")
+      .optional_input("mask", {"Labels"}, "Pixels to ignore, where labels are not 0, such as cracks")
       .output("labels", "Labels",
               "Phase at each pixel, 0 for the darkest; phase p > 0 is profile p. Ignored pixels are 0.")
+      .output("unobserved", "Labels", "1 at ignored pixels, for `masks` of MediaSolid")
       .output("table", "Table", "Fraction, gray level and noise of each phase")
       .output("figure", "Image", "The picture beside its phases; ignored pixels are red")
       .parameter(Parameter::optional_integer("phases", "auto")
@@ -110,6 +115,9 @@ NodeType phases_node() {
               .range(0, 10)
               .doc_("Weight of a neighbor in the same phase. More removes more noise, and fine details."))
       .parameter(Parameter::boolean("shading", true).doc_("Whether slow changes of light are removed"))
+      .parameter(Parameter::boolean("find_objects", true)
+                     .doc_("Whether captions, scale bars and rulers are found and ignored; warnings name "
+                           "their places"))
       .compute_(compute);
 }
 

@@ -6,8 +6,8 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
+#include "nodes/photograph/marks/ignored.h"
 #include "nodes/photograph/segment/color/particles.h"
-#include "nodes/photograph/segment/marks/ignored.h"
 #include "nodes/photograph/segment/network/network_particles.h"
 #include "runtime/work.h"
 

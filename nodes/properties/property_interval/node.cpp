@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -17,9 +18,10 @@ constexpr double kPrecision = 0.05;  // two standard deviations of a representat
 // changes above 9 % (docs/results/properties.md).
 constexpr double kLeftError = 0.5;
 
-// Values of a measure, and how much each differs from that at half the resolution: 0 if that is unknown.
+// Values of a measure, and how much each differs from that at half the resolution, where that is known.
 struct Values {
   std::vector<double> value, change;
+  int unknown = 0;  // changes that are not known, or would change the value's sign: they are 0
 };
 
 // A row's number in a column, if it has one.
@@ -42,7 +44,10 @@ void add_value(const Table& table, const std::string& measure, const std::string
     if (!value)
       throw error(fmt::format(" has no number for '{}'", measure), "leave out what was not computed");
     to.value.push_back(*value);
-    to.change.push_back(*value - number_at(table, row, "half_resolution").value_or(*value));
+    const auto half = number_at(table, row, "half_resolution");
+    const bool known = half && *value * (2 * *value - *half) >= 0;
+    to.unknown += !known;
+    to.change.push_back(known ? *value - *half : 0);
     return;
   }
   throw error(fmt::format(" has no measure '{}'", measure),
@@ -97,8 +102,15 @@ Image figure_of(const Interval& i, const std::vector<double>& blocks, const std:
 
 void compute(Context& c) {
   const std::string measure = c.text("measure");
-  const Values found = values_of(c, "blocks", measure);
-  const auto blocks = extrapolated(found), draws = extrapolated(values_of(c, "draws", measure));
+  Values found = values_of(c, "blocks", measure), drawn = values_of(c, "draws", measure);
+  if (const int unknown = found.unknown + drawn.unknown; unknown > 0) {
+    c.warn(fmt::format(
+        "{} of {} tables have no usable value at half the resolution, so none is extrapolated to smaller "
+        "voxels",
+        unknown, found.value.size() + drawn.value.size()));
+    for (Values* v : {&found, &drawn}) std::fill(v->change.begin(), v->change.end(), 0);
+  }
+  const auto blocks = extrapolated(found), draws = extrapolated(drawn);
   const Interval i = interval_of(blocks, draws, kLeftError * mean_of(found.change), c.number("confidence"));
   Table table;
   table.columns = {"measure", "value"};

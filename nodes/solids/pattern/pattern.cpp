@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/common/texture/color.h"
@@ -97,21 +98,32 @@ Vec3f electrode(std::uint64_t seed, const Vec3& p) {
   return noise(seed + 4, 2.5 * p) > 0.08 ? hex(0x808080) : hex(0x202020);
 }
 
-// The sign of waves of one length in random directions (Cahn 1965).
-Vec3f copolymer(std::uint64_t seed, const Vec3& p) {
-  constexpr int kWaves = 64;
-  double sum = 0;
-  for (int k = 0; k < kWaves; ++k) {
-    Random random(seed, 7, static_cast<std::uint64_t>(k));
-    const Vec3 direction = Vec3(random.normal(), random.normal(), random.normal()).normalized();
-    sum += std::cos(2 * std::numbers::pi * (direction.dot(p) + random.uniform()));
+struct Wave {
+  Vec3 direction;
+  double start = 0;  // of a period
+};
+
+std::vector<Wave> waves(const PatternOptions& c) {
+  constexpr std::uint64_t kWaves = 64;
+  std::vector<Wave> out;
+  for (std::uint64_t k = 0; c.kind == Kind::Copolymer && k < kWaves; ++k) {
+    Random random(c.seed, 7, k);
+    Wave& w = out.emplace_back();
+    w.direction = Vec3(random.normal(), random.normal(), random.normal()).normalized();
+    w.start = random.uniform();
   }
+  return out;
+}
+
+// The sign of waves of one length in random directions (Cahn 1965).
+Vec3f copolymer(const std::vector<Wave>& waves, const Vec3& p) {
+  double sum = 0;
+  for (const Wave& w : waves) sum += std::cos(2 * std::numbers::pi * (w.direction.dot(p) + w.start));
   return sum > 0 ? hex(0xc8c8c8) : hex(0x404040);
 }
 
-}  // namespace
-
-Vec3f pattern_color(const PatternOptions& c, const Vec3& point) {
+// `waves` of these options.
+Vec3f color_at(const PatternOptions& c, const std::vector<Wave>& waves, const Vec3& point) {
   // Keep sections off the planes of the noise lattice, where gradient noise is flat and shows its axes.
   const Vec3 p = point / c.scale + Vec3(0.37, 0.21, 0.43);
   if (c.kind == Kind::Muscle) return muscle(c.seed, p);
@@ -128,15 +140,20 @@ Vec3f pattern_color(const PatternOptions& c, const Vec3& point) {
     case Kind::Electrode:
       return electrode(c.seed, q);
     case Kind::Copolymer:
-      return copolymer(c.seed, q);
+      return copolymer(waves, q);
     default:
       return bone(c.seed, q);
   }
 }
 
+}  // namespace
+
+Vec3f pattern_color(const PatternOptions& c, const Vec3& point) { return color_at(c, waves(c), point); }
+
 Image pattern_image(const PatternOptions& c, const Work& work) {
   Image out(c.width, c.height, 1, c.pixel_size);
   const int axis = c.axis;
+  const std::vector<Wave> of_seed = waves(c);
   work.parallel(c.height, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t y = begin; y < end; ++y)
       for (int x = 0; x < c.width; ++x) {
@@ -146,7 +163,7 @@ Image pattern_image(const PatternOptions& c, const Work& work) {
           p[axis] = c.offset;
           p[kSliceColumns[axis]] = (x + 0.25 + 0.5 * (s & 1)) * c.pixel_size;
           p[kSliceRows[axis]] = (c.height - 1 - static_cast<int>(y) + 0.25 + 0.5 * (s >> 1)) * c.pixel_size;
-          sum += pattern_color(c, p) / 4;
+          sum += color_at(c, of_seed, p) / 4;
         }
         out.at(x, static_cast<int>(y)) = sum;
       }

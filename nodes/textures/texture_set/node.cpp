@@ -255,12 +255,12 @@ NodeType texture_set_node() {
                      .unit_("mm")
                      .range(0, 1e6)
                      .doc_("Radius of the edges of a honed or weathered face. auto: half the relief."))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Numbers, "roughness", "auto")
-              .count(1, 64)
-              .range(0, 1)
-              .doc_("Roughness of the particles: one number, or one for each class. auto: polished 0.15, "
-                    "honed 0.35, else 0.7."))
+      .parameter(Parameter::with_keyword(ParameterKind::Numbers, "roughness", "auto")
+                     .count(1, 64)
+                     .range(0, 1)
+                     .doc_("Roughness of particles where they are worn: one number, or one for each class. "
+                           "auto: polished "
+                           "0.15, honed 0.35, else 0.7. Broken and natural faces have 0.7."))
       .parameter(
           Parameter::optional_number("binder_roughness", "auto")
               .range(0, 1)

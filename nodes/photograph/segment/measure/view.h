@@ -7,7 +7,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/data/profiles.h"
-#include "nodes/photograph/segment/marks/ignored.h"
+#include "nodes/photograph/marks/ignored.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "nodes/data/image.h"
+#include "nodes/photograph/marks/ignored.h"
 #include "nodes/photograph/segment/color/particles.h"
-#include "nodes/photograph/segment/marks/ignored.h"
 #include "nodes/photograph/segment/network/close_up.h"
 #include "nodes/photograph/segment/network/evidence.h"
 #include "nodes/photograph/segment/network/instances.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/marks/objects.h"
 #include "nodes/photograph/segment/network/sections.h"
 #include "nodes/photograph/segment/proposal.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "nodes/data/image.h"
-#include "nodes/photograph/segment/marks/ignored.h"
+#include "nodes/photograph/marks/ignored.h"
 #include "nodes/photograph/segment/network/network_particles.h"
 #include "runtime/work.h"
 

@@ -2,14 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
+#include "nodes/media/media_solid/anneal.h"
 #include "nodes/media/media_solid/comparison.h"
-#include "nodes/media/media_solid/descent.h"
 #include "nodes/media/media_solid/level.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
@@ -69,7 +70,7 @@ TEST(MediaSolid, PlacesThatAreNotObservedDoNotCount) {
   const PhaseMap left{20, 40, 2, 1, [&] {
                         std::vector<std::uint8_t> at;
                         for (int y = 0; y < 40; ++y)
-                          for (int x = 0; x < 20; ++x) at.push_back(map.at[map.index(x, y)]);
+                          for (int x = 0; x < 48; ++x) at.push_back(map.at[map.index(x, y)]);
                         return at;
                       }()};
   for (int y = 0; y < 40; ++y)
@@ -105,7 +106,7 @@ TEST(MediaSolid, CountsFollowTheField) {
 TEST(MediaSolid, FractionsAreExactAndFunctionsAgree) {
   for (const int phases : {2, 3}) {
     const PhaseMap map = discs(128, 6, 40, phases, 4);
-    DescentOptions options;
+    AnnealOptions options;
     options.size = {40, 48, 36};
     const Solid solid = synthesize({map}, options, {});
     const auto target = fractions_of(map);
@@ -126,9 +127,11 @@ TEST(MediaSolid, FractionsAreExactAndFunctionsAgree) {
 TEST(MediaSolid, NoiseStaysNoise) {
   PhaseMap map{96, 96, 2, 1, {}};
   for (int i = 0; i < 96 * 96; ++i) map.at.push_back(Random(5, 1, i).uniform() < 0.3);
-  DescentOptions options;
+  AnnealOptions options;
   options.size = Vec3i::Constant(32);
-  const auto all = compare_slices({map}, options, synthesize({map}, options, {}), {});
+  const Solid solid = synthesize({map}, options, {});
+  EXPECT_LT(solid.levels.back().end, 0.5 * solid.levels.back().start);
+  const auto all = compare_slices({map}, options, solid, {});
   for (const Agreement& a : all)
     for (std::size_t r = 1; a.measure == "two-point correlation" && a.phase == 1 && r < a.of_solid.size();
          ++r)
@@ -157,17 +160,87 @@ TEST(MediaSolid, ADirectionalPictureStaysUpright) {
   EXPECT_LT(along, across / 3);
 }
 
+// Phase 1 is in stripes of 3 pixels along rows or along columns.
+PhaseMap stripes(bool along_rows) {
+  PhaseMap map{48, 48, 2, 1, {}};
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 48; ++x) map.at.push_back((along_rows ? y : x) / 3 % 2);
+  return map;
+}
+
+// Layers across z: rows of the pictures across x and y, and a plain third one. The same layers across y are
+// columns of the first picture and rows of the third.
+TEST(MediaSolid, ThreePicturesLieAsDocumented) {
+  const auto labels = [](const PhaseMap& map) { return Value::of(labels_of(map)); };
+  PhaseMap mixed{48, 48, 2, 1, {}};
+  for (int i = 0; i < 48 * 48; ++i) mixed.at.push_back(Random(11, 1, i).uniform() < 0.5);
+  const auto changes = [](const test::NodeRun& run) {
+    const auto grid = run.output<Volume>("volume").find<openvdb::Int32Grid>("phase");
+    std::array<int, 3> out{};
+    for (int x = 0; x < 23; ++x)
+      for (int y = 0; y < 23; ++y)
+        for (int z = 0; z < 23; ++z) {
+          const int v = grid->tree().getValue({x, y, z});
+          out[0] += v != grid->tree().getValue({x + 1, y, z});
+          out[1] += v != grid->tree().getValue({x, y + 1, z});
+          out[2] += v != grid->tree().getValue({x, y, z + 1});
+        }
+    return out;
+  };
+  const auto across_z = changes(test::run_node(
+      "MediaSolid",
+      {{"labels", labels(stripes(true))}, {"labels", labels(stripes(true))}, {"labels", labels(mixed)}},
+      {{"size", "24"}, {"planes", "[x, y, z]"}}));
+  EXPECT_GT(across_z[2], 2 * across_z[0]);
+  EXPECT_GT(across_z[2], 2 * across_z[1]);
+  const auto across_y = changes(test::run_node(
+      "MediaSolid",
+      {{"labels", labels(stripes(false))}, {"labels", labels(mixed)}, {"labels", labels(stripes(true))}},
+      {{"size", "24"}, {"planes", "[x, y, z]"}}));
+  EXPECT_GT(across_y[1], 2 * across_y[0]);
+  EXPECT_GT(across_y[1], 2 * across_y[2]);
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("MediaSolid", {{"labels", labels(mixed)}, {"labels", labels(mixed)}},
+                             {{"size", "16"}, {"planes", "[x, y]"}});
+            }),
+            "bad-value");
+}
+
+TEST(MediaSolid, MaskedPixelsDoNotCount) {
+  PhaseMap map = discs(64, 5, 25, 2, 3);
+  Labels mask = labels_of(map), spoiled = labels_of(map);
+  for (int i = 0; i < 64 * 64; ++i) {
+    mask.ids[i] = i / 64 >= 48;
+    if (mask.ids[i]) spoiled.ids[i] = 1;
+  }
+  const auto run = test::run_node("MediaSolid", {{"labels", Value::of(spoiled)}, {"masks", Value::of(mask)}},
+                                  {{"size", "24"}});
+  const auto grid = run.output<Volume>("volume").find<openvdb::Int32Grid>("phase");
+  double ones = 0, expected = 0;
+  for (int x = 0; x < 24; ++x)
+    for (int y = 0; y < 24; ++y)
+      for (int z = 0; z < 24; ++z) ones += grid->tree().getValue({x, y, z});
+  for (int i = 0; i < 64 * 48; ++i) expected += map.at[i] / (64.0 * 48);
+  EXPECT_NEAR(ones, expected * 24 * 24 * 24, 1);
+  mask.ids.assign(mask.ids.size(), 1);
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("MediaSolid", {{"labels", Value::of(spoiled)}, {"masks", Value::of(mask)}},
+                             {{"size", "16"}});
+            }),
+            "one-phase");
+}
+
 TEST(MediaSolid, EqualForAnyNumberOfThreads) {
   const Labels labels = labels_of(discs(64, 5, 20, 3, 8));
   std::vector<std::vector<int>> found;
   for (const int threads : {1, 2, 7}) {
-    const auto run = test::run_node("MediaSolid", {{"labels", Value::of(labels)}}, {{"size", "[20, 24, 16]"}},
+    const auto run = test::run_node("MediaSolid", {{"labels", Value::of(labels)}}, {{"size", "[48, 40, 44]"}},
                                     {}, threads);
     const auto grid = run.output<Volume>("volume").find<openvdb::Int32Grid>("phase");
     found.emplace_back();
-    for (int x = 0; x < 20; ++x)
-      for (int y = 0; y < 24; ++y)
-        for (int z = 0; z < 16; ++z) found.back().push_back(grid->tree().getValue({x, y, z}));
+    for (int x = 0; x < 48; ++x)
+      for (int y = 0; y < 40; ++y)
+        for (int z = 0; z < 44; ++z) found.back().push_back(grid->tree().getValue({x, y, z}));
   }
   EXPECT_EQ(found[0], found[1]);
   EXPECT_EQ(found[0], found[2]);

@@ -110,6 +110,20 @@ TEST(Phases, TheNodeReportsWhatItFound) {
     for (int x = 0; x < kSide; ++x) EXPECT_EQ(labels.ids[labels.index(x, y)], y < 10 ? 0 : phase_at(x, y, 3));
 }
 
+// A flat strip with blocks like letters below the micrograph is no phase.
+TEST(Phases, ACaptionDoesNotCount) {
+  const auto data = test::shared_data();
+  if (data.empty()) GTEST_SKIP() << "no shared data";
+  const auto image = test::run_node("LoadImage", {}, {{"path", (data / "reports/sem_strip.jpg").string()}});
+  const auto run =
+      test::run_node("Phases", {{"image", Value::of(image.output<Image>("image"))}}, {{"phases", "2"}});
+  ASSERT_FALSE(run.warnings.empty());
+  EXPECT_NE(run.warnings[0].find("rows 650 to 719 show a caption"), std::string::npos) << run.warnings[0];
+  const Labels& unobserved = run.output<Labels>("unobserved");
+  EXPECT_EQ(std::count(unobserved.ids.begin(), unobserved.ids.end(), 1), 900 * 70);
+  EXPECT_EQ(run.output<Labels>("labels").ids.back(), 0);
+}
+
 TEST(Phases, BadPicturesAreErrors) {
   const auto code = [](const Image& image) { return test::code_of([&] { find_phases(image, {}, {}, {}); }); };
   EXPECT_EQ(code(Image(40, 40, 1, 1, Vec3f::Constant(0.3f))), "one-phase");

@@ -1,5 +1,5 @@
 // Strips with text at an edge, and text written into the picture.
-#include "nodes/photograph/segment/marks/captions.h"
+#include "nodes/photograph/marks/captions.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 
 #include "nodes/data/profiles.h"
-#include "nodes/photograph/segment/marks/levels.h"
-#include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/marks/levels.h"
+#include "nodes/photograph/marks/objects.h"
 #include "tests/nodes/photograph/segment/drawn_caption.h"
 #include "tests/nodes/photograph/segment/synthetic_section.h"
 #include "tests/support/run_node.h"

@@ -5,7 +5,7 @@
 #include <locale>
 #include <map>
 
-#include "nodes/photograph/segment/marks/ignored.h"
+#include "nodes/photograph/marks/ignored.h"
 #include "nodes/photograph/segment/measure/measure.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"

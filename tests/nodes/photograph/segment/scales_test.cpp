@@ -1,5 +1,5 @@
 // Rulers, tapes and scale cards by their marks.
-#include "nodes/photograph/segment/marks/scales.h"
+#include "nodes/photograph/marks/scales.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "nodes/data/labels.h"
-#include "nodes/photograph/segment/marks/levels.h"
-#include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/marks/levels.h"
+#include "nodes/photograph/marks/objects.h"
 #include "tests/nodes/photograph/segment/drawn_caption.h"
 #include "tests/nodes/photograph/segment/synthetic_section.h"
 #include "tests/support/run_node.h"

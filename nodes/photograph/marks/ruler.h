@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "nodes/data/image.h"
-#include "nodes/photograph/segment/marks/ignored.h"
+#include "nodes/photograph/marks/ignored.h"
 
 namespace terrazzo::segment {
 

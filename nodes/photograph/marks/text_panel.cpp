@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/text_panel.h"
+#include "nodes/photograph/marks/text_panel.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "nodes/photograph/segment/marks/levels.h"
-#include "nodes/photograph/segment/marks/text_lines.h"
+#include "nodes/photograph/marks/levels.h"
+#include "nodes/photograph/marks/text_lines.h"
 
 namespace terrazzo::segment {
 namespace {

@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/objects.h"
+#include "nodes/photograph/marks/objects.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
@@ -6,9 +6,9 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/components.h"
 #include "nodes/data/indices.h"
-#include "nodes/photograph/segment/marks/captions.h"
-#include "nodes/photograph/segment/marks/levels.h"
-#include "nodes/photograph/segment/marks/scales.h"
+#include "nodes/photograph/marks/captions.h"
+#include "nodes/photograph/marks/levels.h"
+#include "nodes/photograph/marks/scales.h"
 
 namespace terrazzo::segment {
 namespace {

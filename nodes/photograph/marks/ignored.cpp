@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/ignored.h"
+#include "nodes/photograph/marks/ignored.h"
 
 #include <algorithm>
 #include <cmath>

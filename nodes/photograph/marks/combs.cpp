@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/combs.h"
+#include "nodes/photograph/marks/combs.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/scales.h"
+#include "nodes/photograph/marks/scales.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "nodes/data/indices.h"
-#include "nodes/photograph/segment/marks/combs.h"
-#include "nodes/photograph/segment/marks/levels.h"
+#include "nodes/photograph/marks/combs.h"
+#include "nodes/photograph/marks/levels.h"
 
 namespace terrazzo::segment {
 namespace {

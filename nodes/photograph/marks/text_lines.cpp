@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/text_lines.h"
+#include "nodes/photograph/marks/text_lines.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "nodes/media/media_solid/descent.h"
+#include "nodes/media/media_solid/anneal.h"
 
 #include <fmt/format.h>
 
@@ -45,7 +45,7 @@ std::vector<int> strides_of(const Vec3i& size, int side) {
 // larger spacings.
 class Targets {
  public:
-  Targets(const std::vector<PhaseMap>& pictures, const DescentOptions& options)
+  Targets(const std::vector<PhaseMap>& pictures, const AnnealOptions& options)
       : pictures_(pictures), options_(options) {}
   std::vector<PatternTarget> at(int stride, const Vec3i& size) {
     std::vector<PatternTarget> out;
@@ -69,12 +69,12 @@ class Targets {
   }
 
   const std::vector<PhaseMap>& pictures_;
-  const DescentOptions& options_;
+  const AnnealOptions& options_;
   std::map<std::pair<int, int>, std::vector<Frequencies>> known_;
 };
 
 // Mean over the constrained planes.
-std::vector<double> mean_fractions(const std::vector<PhaseMap>& pictures, const DescentOptions& options) {
+std::vector<double> mean_fractions(const std::vector<PhaseMap>& pictures, const AnnealOptions& options) {
   std::vector<double> out(pictures[0].phases, 0);
   double planes = 0;
   for (const int p : options.plane)
@@ -132,10 +132,10 @@ std::vector<std::int64_t> counts_of(const std::vector<double>& fractions, std::i
 // Coarse levels decide on the structure and are cheap.
 int sweeps_at(int stride) { return stride == 1 ? 12 : stride == 2 ? 30 : 60; }
 
-DescentLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
+AnnealedLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
   const int sweeps = sweeps_at(stride);
   const double heat = stride > 1 ? kCoarseHeat : kFineHeat;
-  DescentLevel out{stride, 0, level.mismatch(), 0};
+  AnnealedLevel out{stride, 0, level.mismatch(), 0};
   for (int s = 0; s < sweeps; ++s) {
     const double temperature = heat * std::max(0.0, 1 - s / (kCooled * sweeps));
     const Work part = work.part(static_cast<double>(s) / sweeps, (s + 1.0) / sweeps);
@@ -149,11 +149,13 @@ DescentLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t 
 
 }  // namespace
 
-Solid synthesize(const std::vector<PhaseMap>& pictures, const DescentOptions& options, const Work& work) {
+Solid synthesize(const std::vector<PhaseMap>& pictures, const AnnealOptions& options, const Work& work) {
   const int phases = pictures[0].phases;
   const auto fractions = mean_fractions(pictures, options);
-  double pixels = 1e300;
-  for (const PhaseMap& p : pictures) pixels = std::min(pixels, double(p.width) * p.height);
+  double pixels = 1e300;  // observed
+  for (const PhaseMap& p : pictures)
+    pixels = std::min(
+        pixels, static_cast<double>(p.at.size() - std::count(p.at.begin(), p.at.end(), media::kUnobserved)));
   Targets targets(pictures, options);
   Solid out;
   Vec3i size = Vec3i::Zero();
@@ -177,7 +179,10 @@ Solid synthesize(const std::vector<PhaseMap>& pictures, const DescentOptions& op
     part.progress(0, fmt::format("{} × {} × {} voxels", size.x(), size.y(), size.z()));
     Level level(std::move(out.phase), size, phases, targets.at(stride, size), kFewPlaces / pixels, part);
     out.levels.push_back(anneal(level, stride, voxels_in(size), options.seed, part));
-    if (stride == 1) level.settle(counts_of(fractions, static_cast<std::int64_t>(voxels_in(size))));
+    if (stride == 1) {
+      level.settle(counts_of(fractions, static_cast<std::int64_t>(voxels_in(size))), part.quiet());
+      out.levels.back().end = level.mismatch();
+    }
     out.phase = level.take();
   }
   return out;

@@ -1,10 +1,10 @@
-#include "nodes/photograph/segment/marks/frame.h"
+#include "nodes/photograph/marks/frame.h"
 
 #include <algorithm>
 #include <array>
 #include <cstdint>
 
-#include "nodes/photograph/segment/marks/levels.h"
+#include "nodes/photograph/marks/levels.h"
 
 namespace terrazzo::segment {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "nodes/data/image.h"
-#include "nodes/photograph/segment/marks/ignored.h"
-#include "nodes/photograph/segment/marks/ruler.h"
+#include "nodes/photograph/marks/ignored.h"
+#include "nodes/photograph/marks/ruler.h"
 #include "runtime/work.h"
 
 namespace terrazzo::segment {

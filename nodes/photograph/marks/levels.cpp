@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/levels.h"
+#include "nodes/photograph/marks/levels.h"
 
 #include <algorithm>
 #include <cmath>

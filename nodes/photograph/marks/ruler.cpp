@@ -1,4 +1,4 @@
-#include "nodes/photograph/segment/marks/ruler.h"
+#include "nodes/photograph/marks/ruler.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,14 +1,14 @@
-#include "nodes/photograph/segment/marks/captions.h"
+#include "nodes/photograph/marks/captions.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
-#include "nodes/photograph/segment/marks/frame.h"
-#include "nodes/photograph/segment/marks/levels.h"
-#include "nodes/photograph/segment/marks/text_lines.h"
-#include "nodes/photograph/segment/marks/text_panel.h"
+#include "nodes/photograph/marks/frame.h"
+#include "nodes/photograph/marks/levels.h"
+#include "nodes/photograph/marks/text_lines.h"
+#include "nodes/photograph/marks/text_panel.h"
 
 namespace terrazzo::segment {
 namespace {
