@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "graph/diagnostic.h"
 #include "nodes/photograph/marks/objects.h"
 
 namespace terrazzo::media {
@@ -11,6 +12,8 @@ namespace terrazzo::media {
 std::vector<std::uint8_t> unobserved_pixels(const Image& image, const Labels* mask, bool find,
                                             const std::function<void(const std::string&)>& warn,
                                             const Work& work) {
+  if (image.width < 1 || image.height < 1)
+    throw Error("empty-image", "the image has no pixels", "connect an image");
   Image first(image.width, image.height, 1, image.pixel_size);
   std::copy_n(image.pixels.begin(), first.pixels.size(), first.pixels.begin());
   segment::IgnoredPixels ignored = segment::ignored_pixels(first, {}, mask);
