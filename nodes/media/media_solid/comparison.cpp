@@ -150,7 +150,7 @@ void measure_windows(const std::vector<PhaseMap>& maps, int phase, int reach, Me
     spanned += spanning(p);
   }
   out.euler = pieces / area;
-  out.spanning = spanned / static_cast<double>(phases.size());
+  out.spanning = spanned / phases.size();
 }
 
 Measures measure(const std::vector<PhaseMap>& maps, const std::vector<PhaseMap>& windows, int phase,
@@ -202,7 +202,7 @@ std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, con
   for (std::size_t p = 0; p < pictures.size(); ++p) {
     const int side = window_of(pictures[p], options.size), reach = std::min(kMostReach, side / 2);
     const auto tiles = observed_tiles(tiles_of(pictures[p], side));
-    const auto slices = slices_of(solid, pictures[p], options, static_cast<int>(p));
+    const auto slices = slices_of(solid, pictures[p], options, p);
     std::vector<PhaseMap> windows;
     for (const PhaseMap& s : slices)
       for (PhaseMap& w : tiles_of(s, side)) windows.push_back(std::move(w));
@@ -214,7 +214,7 @@ std::vector<Agreement> compare_slices(const std::vector<PhaseMap>& pictures, con
       for (const PhaseMap& t : tiles) parts.push_back(measure({t}, {t}, phase, reach));
       const auto add = [&](const char* name, const char* unit, auto&& get) {
         out.push_back(agreement(name, unit, of_picture, of_solid, parts, get));
-        out.back().picture = static_cast<int>(p);
+        out.back().picture = p;
         out.back().phase = phase;
       };
       const auto number = [](double Measures::*m) {

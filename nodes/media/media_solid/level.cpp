@@ -97,7 +97,7 @@ void Level::gather(std::uint32_t voxel, std::vector<Around>& around) const {
 
 std::uint32_t Level::bits(const Around& around, int phase) const {
   std::uint32_t out = 0;
-  const std::uint64_t all = 0x0101010101010101ull * static_cast<std::uint64_t>(phase);
+  const std::uint64_t all = 0x0101010101010101ull * phase;
   for (int word = 0; word < 4; ++word) {
     std::uint64_t bytes;
     std::memcpy(&bytes, &around[8 * word], 8);
@@ -144,7 +144,7 @@ void Level::apply(std::uint32_t voxel, const std::vector<Around>& around, int to
     flip(from);
     flip(to);
   }
-  field_[voxel] = static_cast<std::uint8_t>(to);
+  field_[voxel] = to;
 }
 
 void Level::count_all(const Work& work) {
@@ -159,7 +159,7 @@ void Level::count_all(const Work& work) {
           [&](std::size_t begin, std::size_t end) {
             Counts part{};
             for (std::size_t v = begin; v < end; ++v) {
-              const Vec3i at = place(static_cast<std::uint32_t>(v));
+              const Vec3i at = place(v);
               const int a = groups_[g].columns, b = groups_[g].rows;
               const std::uint8_t* slice = &field_[v - at[a] * step_[a] - at[b] * step_[b]];
               int pattern = 0;
@@ -198,8 +198,7 @@ std::vector<std::uint32_t> Level::interface(const Work& work) const {
       [&](std::size_t begin, std::size_t end) {
         List out;
         for (std::size_t v = begin; v < end; ++v)
-          if (neighbors(static_cast<std::uint32_t>(v)) & ~(1u << field_[v]))
-            out.push_back(static_cast<std::uint32_t>(v));
+          if (neighbors(v) & ~(1u << field_[v])) out.push_back(v);
         return out;
       },
       [](List a, const List& b) {
@@ -212,7 +211,7 @@ double Level::gain(std::uint32_t voxel, const std::vector<Around>& around, int t
                    double temperature) const {
   const double c = cost(around, field_[voxel], to);
   if (temperature <= 0) return -c;
-  return -c - temperature * std::log(1 - Random(seed, 2 + static_cast<std::uint64_t>(to), voxel).uniform());
+  return -c - temperature * std::log(1 - Random(seed, 2 + to, voxel).uniform());
 }
 
 int Level::propose(std::uint32_t voxel, const std::vector<Around>& around, std::uint64_t seed,
@@ -243,7 +242,7 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
       std::vector<Around> own(groups_.size());
       for (std::size_t i = begin; i < end; ++i) {
         gather(order[first + i], own);
-        wanted[i] = static_cast<std::uint8_t>(propose(order[first + i], own, seed, temperature));
+        wanted[i] = propose(order[first + i], own, seed, temperature);
       }
     });
     // Weigh them again, one after the other, on the counts that the changes before have left.
@@ -255,7 +254,7 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
       apply(v, around, wanted[i]);
       ++changes;
     }
-    work.done(static_cast<double>(first + n), static_cast<double>(order.size()));
+    work.done(first + n, order.size());
   }
   return changes;
 }
@@ -267,7 +266,7 @@ void Level::settle(const std::vector<std::int64_t>& count, const Work& work) {
   for (int from = 0; from < phases_; ++from)
     for (int to = 0; to < phases_; ++to)
       if (const std::int64_t n = std::min(excess[from], -excess[to]); n > 0) {
-        move_cheapest(from, to, static_cast<std::size_t>(n), work);
+        move_cheapest(from, to, n, work);
         excess[from] -= n;
         excess[to] += n;
       }
@@ -280,7 +279,7 @@ void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
   if (at.size() < n) {  // the phases hardly touch
     at.clear();
     for (std::size_t v = 0; v < field_.size(); ++v)
-      if (field_[v] == from) at.push_back(static_cast<std::uint32_t>(v));
+      if (field_[v] == from) at.push_back(v);
   }
   std::vector<std::pair<double, std::uint32_t>> costs(at.size());
   work.parallel(at.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -290,7 +289,7 @@ void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
       costs[i] = {cost(around, from, to), at[i]};
     }
   });
-  std::partial_sort(costs.begin(), costs.begin() + static_cast<std::ptrdiff_t>(n), costs.end());
+  std::partial_sort(costs.begin(), costs.begin() + n, costs.end());
   std::vector<Around> around(groups_.size());
   for (std::size_t k = 0; k < n; ++k) {
     gather(costs[k].second, around);
@@ -303,7 +302,7 @@ double Level::mismatch() const {
   for (const PatternCounts& t : tables_)
     for (int k = 0; k < kPatterns; ++k)
       sum += t.weight[k] * static_cast<double>(t.excess[k]) * static_cast<double>(t.excess[k]);
-  return sum / static_cast<double>(field_.size());
+  return sum / field_.size();
 }
 
 }  // namespace terrazzo::media_solid

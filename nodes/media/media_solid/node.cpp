@@ -177,7 +177,7 @@ void give_metrics(Context& c, const Solid& solid, const std::vector<Agreement>& 
   c.metric("lineal_path", worst["lineal path"]);
   c.metric("cluster", worst["cluster function"]);
   c.metric("surface", worst["surface per volume"]);
-  c.metric("within_scatter", within / static_cast<double>(all.size()));
+  c.metric("within_scatter", within / all.size());
   c.metric("mismatch", solid.levels.back().end);
 }
 

@@ -180,7 +180,7 @@ class Field {
       int best = 0;
       for (int k = 1; k < phases(); ++k)
         if (std::abs(g - level_[k]) < std::abs(g - level_[best])) best = k;
-      label_.push_back(static_cast<std::uint8_t>(best));
+      label_.push_back(best);
     }
   }
 
@@ -252,9 +252,7 @@ FoundPhases from_start(const Image& image, Picture& picture, const PhaseOptions&
 
 }  // namespace
 
-double phases_forecast(const Image& image) {
-  return 90.0 * static_cast<double>(pixels_in(image.width, image.height));
-}
+double phases_forecast(const Image& image) { return 90.0 * pixels_in(image.width, image.height); }
 
 FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
                         const PhaseOptions& options, const Work& work) {
@@ -269,7 +267,7 @@ FoundPhases find_phases(const Image& image, const std::vector<std::uint8_t>& uno
   }
   if (even.map.phases == 0 && uneven.map.phases == 0)
     throw Error(
-        "one-phase", "the histogram of the picture has a single peak, so no phases are told apart",
+        "one-phase", "the gray levels have a single peak, so phases cannot be distinguished",
         "set phases of Phases, or use a picture with more contrast between the phases and less noise");
   return even.map.phases > 0 && even.separation >= uneven.separation ? even : uneven;
 }
