@@ -9,48 +9,73 @@
 namespace terrazzo::textures {
 namespace {
 
-// Half of the ball's width in texels at each row, and how far its top lies above its surface there.
-struct BallRow {
-  int dy = 0;
-  std::vector<float> drop;  // mm, at −n … n texels
+// The lowest of the parabolas heights[i] + curve · (x − i)² at each whole x, in time linear in their number
+// (Felzenszwalb, Huttenlocher 2012, Distance transforms of sampled functions).
+class LowerEnvelope {
+ public:
+  // Replaces the heights. `curve` > 0.
+  void apply(std::vector<double>& heights, double curve) {
+    lowest_.clear();
+    from_.clear();
+    for (int i = 0; i < count_of(heights); ++i) {
+      double start = -INFINITY;
+      while (!lowest_.empty()) {
+        const int j = lowest_.back();
+        start = 0.5 * (i + j) + (heights[i] - heights[j]) / (2 * curve * (i - j));
+        if (start > from_.back()) break;
+        lowest_.pop_back();
+        from_.pop_back();
+        start = -INFINITY;
+      }
+      lowest_.push_back(i);
+      from_.push_back(start);
+    }
+    out_.resize(heights.size());
+    std::size_t k = 0;
+    for (int x = 0; x < count_of(heights); ++x) {
+      while (k + 1 < from_.size() && from_[k + 1] < x) ++k;
+      const double d = x - lowest_[k];
+      out_[x] = heights[lowest_[k]] + curve * d * d;
+    }
+    heights.swap(out_);
+  }
+
+ private:
+  std::vector<int> lowest_;   // parabolas of the envelope, from left to right
+  std::vector<double> from_;  // where each of them begins
+  std::vector<double> out_;
 };
 
-std::vector<BallRow> ball_rows(const HeightField& h, double radius) {
-  std::vector<BallRow> rows;
-  const int reach = round_down(radius / h.mm_y);
-  for (int dy = -reach; dy <= reach; ++dy) {
-    const double y = dy * h.mm_y;
-    const int n = round_down(std::sqrt(std::max(0.0, radius * radius - y * y)) / h.mm_x);
-    BallRow row{dy, {}};
-    for (int dx = -n; dx <= n; ++dx) {
-      const double square = radius * radius - y * y - dx * h.mm_x * dx * h.mm_x;
-      row.drop.push_back(static_cast<float>(radius - std::sqrt(std::max(0.0, square))));
-    }
-    rows.push_back(std::move(row));
-  }
-  return rows;
+// Replaces `count` periodic heights, `stride` apart, by the lowest of their parabolas. Those farther away
+// than `reach` are higher everywhere; nor can one matter that is farther away than its next image.
+void lower_line(float* mm, int count, int stride, double curve, double reach, LowerEnvelope& envelope,
+                std::vector<double>& line) {
+  const int beyond = round_up(std::min(reach, count / 2.0 + 1));
+  line.resize(count + 2 * beyond);
+  for (int i = 0; i < count_of(line); ++i)
+    line[i] = double{mm[static_cast<std::ptrdiff_t>(wrap_index(i - beyond, count)) * stride]};
+  envelope.apply(line, curve);
+  for (int i = 0; i < count; ++i)
+    mm[static_cast<std::ptrdiff_t>(i) * stride] = static_cast<float>(line[beyond + i]);
 }
 
-// The lowest of the heights around each texel, raised by the ball's drop. With `sign` −1 the same for −mm.
-std::vector<float> eroded(const HeightField& h, const std::vector<BallRow>& ball, float sign,
-                          const Work& work) {
-  std::vector<float> out(h.mm.size());
-  work.quiet().parallel(h.height, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<float> wide;
-    for (std::size_t y = begin; y < end; ++y) {
-      float* to = &out[y * h.width];
-      std::fill(to, to + h.width, INFINITY);
-      for (const BallRow& row : ball) {
-        const int reach = count_of(row.drop) / 2;
-        const float* from = &h.mm[pixel_at(0, wrap_index(static_cast<int>(y) + row.dy, h.height), h.width)];
-        wide.resize(h.width + 2 * reach);
-        for (int x = 0; x < count_of(wide); ++x) wide[x] = sign * from[wrap_index(x - reach, h.width)];
-        for (int k = 0; k < count_of(row.drop); ++k)
-          for (int x = 0; x < h.width; ++x) to[x] = std::min(to[x], wide[x + k] + row.drop[k]);
-      }
-    }
+// The highest surface that a paraboloid with this radius of curvature reaches with its apex while it stays
+// below the heights. Its two dimensions are independent.
+void erode(HeightField& h, double radius, double range, const Work& work) {
+  const double reach = std::sqrt(2 * radius * range);
+  work.part(0, 0.5).parallel(h.height, 16, [&](std::size_t begin, std::size_t end) {
+    LowerEnvelope envelope;
+    std::vector<double> line;
+    for (std::size_t y = begin; y < end; ++y)
+      lower_line(&h.mm[y * h.width], h.width, 1, h.mm_x * h.mm_x / (2 * radius), reach / h.mm_x, envelope,
+                 line);
   });
-  return out;
+  work.part(0.5, 1).parallel(h.width, 16, [&](std::size_t begin, std::size_t end) {
+    LowerEnvelope envelope;
+    std::vector<double> line;
+    for (std::size_t x = begin; x < end; ++x)
+      lower_line(&h.mm[x], h.height, h.width, h.mm_y * h.mm_y / (2 * radius), reach / h.mm_y, envelope, line);
+  });
 }
 
 Vec3f normal_at(const HeightField& h, int x, int y) {
@@ -110,12 +135,20 @@ float seen_in_slice(const Vec3f& n, const Eigen::Vector2f& along, float ahead, f
 
 }  // namespace
 
-void round_edges(HeightField& h, double radius, const Work& work) {
+void round_edges(HeightField& h, double radius, double floor, const Work& work) {
   if (radius < std::min(h.mm_x, h.mm_y)) return;
-  const std::vector<BallRow> ball = ball_rows(h, radius);
-  h.mm = eroded(h, ball, 1, work);
-  h.mm = eroded(h, ball, -1, work);
-  for (float& mm : h.mm) mm = 0 - mm;  // not −0
+  const std::vector<float> before = h.mm;
+  const auto negate = [&] {
+    for (float& mm : h.mm) mm = -mm;
+  };
+  for (float& mm : h.mm) mm = std::max(mm, static_cast<float>(floor));
+  const auto [low, high] = std::minmax_element(h.mm.begin(), h.mm.end());
+  const double range = double{*high} - double{*low};
+  erode(h, radius, range, work.part(0, 0.5));
+  negate();
+  erode(h, radius, range, work.part(0.5, 1));
+  negate();
+  for (std::size_t i = 0; i < h.mm.size(); ++i) h.mm[i] = std::min(before[i], h.mm[i]);
 }
 
 Image normal_map(const HeightField& h, const Work& work) {

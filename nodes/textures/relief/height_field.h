@@ -16,9 +16,12 @@ struct HeightField {
   float at(int x, int y) const { return mm[pixel_at(x, y, width)]; }
 };
 
-// Removes what a ball of this radius (mm), rolling below the surface, cannot touch: convex edges become
-// round, concave ones stay. Morphological opening (Sternberg 1986). Nothing happens below one texel.
-void round_edges(HeightField&, double radius, const Work& = {});
+// Removes what a paraboloid cannot touch from below whose apex has this radius of curvature (mm): convex
+// edges become round, concave ones stay. An edge above a step of H becomes round over √(2 · radius · H).
+// Morphological opening (van den Boomgaard, Smeulders 1994), whose time does not depend on the radius. Steps
+// down to below `floor` (mm) count as if they ended there, so that a deep hole is as round as a shallow one.
+// Nothing happens below one texel.
+void round_edges(HeightField&, double radius, double floor, const Work& = {});
 
 // Normals in tangent space as colors, (n + 1) / 2, with x to the right and y upwards in the picture (OpenGL's
 // convention), from central differences.

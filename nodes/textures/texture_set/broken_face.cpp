@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <opencv2/core.hpp>
 
@@ -11,15 +12,16 @@
 namespace terrazzo::texture_set {
 
 BrokenFace::BrokenFace(double width, double height, double texel, double grain, double deviation,
-                       std::uint64_t seed)
+                       std::uint64_t seed, const Work& work)
     : width_(width), height_(height) {
   constexpr int kMost = 4096;  // finer waves would be lower than 1/1,000 of the deviation
   columns_ = std::clamp(round_up(width / texel), 2, kMost);
   rows_ = std::clamp(round_up(height / texel), 2, kMost);
   cv::Mat waves(rows_, columns_, CV_32FC2, cv::Scalar(0, 0));
   const double longest = 4 * grain;
-  double power = 0;
-  for (int j = -(rows_ - 1) / 2; j <= (rows_ - 1) / 2; ++j)
+  // Fills the waves with row number j, and returns their power.
+  const auto fill = [&](int j) {
+    double power = 0;
     for (int i = -(columns_ - 1) / 2; i <= (columns_ - 1) / 2; ++i) {
       const double k = std::hypot(i / width, j / height);
       if (k == 0) continue;
@@ -31,7 +33,19 @@ BrokenFace::BrokenFace(double width, double height, double texel, double grain, 
       waves.at<cv::Vec2f>(wrap_index(j, rows_), wrap_index(i, columns_)) =
           cv::Vec2f(amplitude * std::cos(phase), amplitude * std::sin(phase));
     }
+    return power;
+  };
+  const int first = -(rows_ - 1) / 2, rows = 2 * ((rows_ - 1) / 2) + 1;
+  const double power = work.quiet().reduce(
+      rows, 16, 0.0,
+      [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t row = begin; row < end; ++row) sum += fill(first + static_cast<int>(row));
+        return sum;
+      },
+      std::plus<>());
   cv::dft(waves, waves, cv::DFT_INVERSE);
+  work.check();
   const double scale = power > 0 ? deviation / std::sqrt(power) : 0;
   for (int j = 0; j < rows_; ++j)
     for (int i = 0; i < columns_; ++i)

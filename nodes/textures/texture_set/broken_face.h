@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "runtime/work.h"
+
 namespace terrazzo::texture_set {
 
 // A periodic self-affine surface: its waves have the power k^(−2 − 2 · 0.8), with the roughness exponent 0.8
@@ -11,8 +13,10 @@ namespace terrazzo::texture_set {
 class BrokenFace {
  public:
   // Of one period of width × height mm, for texels of this size (mm), of standard deviation `deviation` (mm).
-  // More texels add finer waves and keep the others.
-  BrokenFace(double width, double height, double texel, double grain, double deviation, std::uint64_t seed);
+  // Smaller texels add finer waves. The others keep their phases, and lose the share of the deviation that
+  // the finer ones have.
+  BrokenFace(double width, double height, double texel, double grain, double deviation, std::uint64_t seed,
+             const Work& = {});
   double at(double u, double v) const;  // mm
   double highest() const { return highest_; }
   double lowest() const { return lowest_; }

@@ -16,7 +16,7 @@ constexpr double kLayers = 3;  // of loose particles; below them is the ground
 }  // namespace
 
 FinishedSurface::FinishedSurface(const Particles& particles, const Shapes& shapes,
-                                 const section::SectionLayout& layout, const Finish& finish)
+                                 const section::SectionLayout& layout, const Finish& finish, const Work& work)
     : particles_(particles),
       plane_(layout.planes.at(0)),
       width_(layout.width),
@@ -26,14 +26,14 @@ FinishedSurface::FinishedSurface(const Particles& particles, const Shapes& shape
   unit_ = static_cast<float>(particles.box.maxCoeff());
   period_ = particles.box.dot(plane_.frame.col(2).cwiseAbs());
   if (finish.kind == FinishKind::Broken)
-    face_.emplace(width_, height_, layout.pixel_size, finish.grain, finish.relief, finish.seed);
+    face_.emplace(width_, height_, layout.pixel_size, finish.grain, finish.relief, finish.seed, work);
   for (const Vec3& p : particles.position) {
     const Vec3 local = plane_.frame.transpose() * (p - plane_.origin);
     center_.push_back(local.z());
     face_at_.push_back(face_ ? face_->at(local.x(), local.y()) : 0);
   }
   find_depths(shapes);
-  if (finish.kind != FinishKind::Polished || particles.void_count() > 0) add_images(shapes);
+  if (finish.kind != FinishKind::Polished || particles.void_count() > 0) add_images(shapes, work);
 }
 
 // How far up and down columns have to be searched.
@@ -60,7 +60,7 @@ void FinishedSurface::find_depths(const Shapes& shapes) {
             2 * std::max(largest_void, face_ || finish_.relief < 0 ? largest : 0.0);
 }
 
-void FinishedSurface::add_images(const Shapes& shapes) {
+void FinishedSurface::add_images(const Shapes& shapes, const Work& work) {
   std::vector<carving::RayScene::Triangles> meshes;
   for (const Shape& s : shapes.shapes) {
     carving::RayScene::Triangles t;
@@ -77,6 +77,7 @@ void FinishedSurface::add_images(const Shapes& shapes) {
   const bool whole_stones = face_ || finish_.kind == FinishKind::Loose;
   std::vector<carving::RayScene::Instance> instances, whole;
   for (std::size_t i = 0; i < particles_.count(); ++i) {
+    if (i % 1024 == 0) work.check();
     const Vec3& p = particles_.position[i];
     Vec3i lo, hi;
     for (int k = 0; k < 3; ++k) {

@@ -34,7 +34,8 @@ struct Finish {
 class FinishedSurface {
  public:
   // The layout has one plane, which is a tile. Throws the errors of carving::check_shown.
-  FinishedSurface(const Particles&, const Shapes&, const section::SectionLayout&, const Finish&);
+  FinishedSurface(const Particles&, const Shapes&, const section::SectionLayout&, const Finish&,
+                  const Work& = {});
 
   struct Point {
     float height = 0;            // mm above the plane
@@ -46,7 +47,7 @@ class FinishedSurface {
 
  private:
   void find_depths(const Shapes&);
-  void add_images(const Shapes&);
+  void add_images(const Shapes&, const Work&);
   double level(int particle, double height, double face) const;
   // Height of the nearest surface below (u, v, from); −∞ without one.
   double next_below(const carving::RayScene*, const Vec3& foot, double from) const;

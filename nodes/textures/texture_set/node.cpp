@@ -9,6 +9,7 @@
 #include "nodes/bodies/cutting/cut.h"
 #include "nodes/bodies/cutting/volume_section.h"
 #include "nodes/data/detail.h"
+#include "nodes/data/volume.h"
 #include "nodes/detail/residual/residual_field.h"
 #include "nodes/detail/residual/skins.h"
 #include "nodes/textures/relief/lit_picture.h"
@@ -50,8 +51,16 @@ section::SectionLayout layout_of(const Context& c, const Vec3& box) {
   constexpr double kBytes = 150;  // of each texel: six maps of three floats, and what makes and stores them
   section::SectionOptions choice;
   choice.axis = c.text("axis");
-  if (const auto position = c.optional_number("position")) choice.offsets = {*position};
   const int axis = choice.axis[0] - 'x';
+  if (const auto position = c.optional_number("position")) {
+    if (*position > box[axis])
+      throw Error("bad-offset",
+                  fmt::format("the plane at {} = {:g} mm misses the box, which ends at {:g} mm", choice.axis,
+                              *position, box[axis]),
+                  fmt::format("position must be within 0 … {:g} mm", box[axis]))
+          .parameter("position");
+    choice.offsets = {*position};
+  }
   const double longer = std::max(box[(axis + 1) % 3], box[(axis + 2) % 3]);
   const double shorter = std::min(box[(axis + 1) % 3], box[(axis + 2) % 3]);
   const double edge = c.integer("resolution"), bytes = edge * edge * (shorter / longer) * kBytes;
@@ -128,10 +137,10 @@ TextureMaps maps_of_particles(Context& c, FinishKind kind) {
     field.emplace(unlit(*detail), particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
     softness = detail->softness * detail->pixel_size;
   }
-  const FinishedSurface surface(particles, shapes, layout, {kind, wear.relief, grain, c.seed()});
+  const FinishedSurface surface(particles, shapes, layout, {kind, wear.relief, grain, c.seed()}, c.work());
   TextureMaps maps = paint_maps(surface, particles, layout, roughness_of(c, kind), field ? &*field : nullptr,
-                                softness, c.work().part(0.1, 0.7));
-  textures::round_edges(maps.height, wear.rounding, c.work());
+                                softness, c.work().part(0.1, 0.65));
+  textures::round_edges(maps.height, wear.rounding, -std::abs(wear.relief), c.work().part(0.65, 0.7));
   return maps;
 }
 
@@ -148,9 +157,16 @@ TextureMaps maps_of_volume(Context& c, FinishKind kind) {
   if (carving::has_voids(volume))
     c.warn("the voids of the volume are shown filled; connect particles and shapes to see the holes");
   const Wear wear = wear_of(c, kind, 2 * box.voxel, box.size);
+  if (wear.relief != 0 && !volume.find<openvdb::FloatGrid>("density"))
+    throw Error("no-such-grid",
+                "finish '" + c.text("finish") +
+                    "' needs the grid 'density' of the volume, which tells stones "
+                    "from binder",
+                "set finish to polished, or connect the particles instead of the volume")
+        .parameter("finish");
   TextureMaps maps =
-      paint_maps(volume, layout_of(c, box.size), wear.relief, roughness_of(c, kind), c.work().part(0, 0.7));
-  textures::round_edges(maps.height, wear.rounding, c.work());
+      paint_maps(volume, layout_of(c, box.size), wear.relief, roughness_of(c, kind), c.work().part(0, 0.65));
+  textures::round_edges(maps.height, wear.rounding, -std::abs(wear.relief), c.work().part(0.65, 0.7));
   return maps;
 }
 
@@ -215,13 +231,14 @@ namespace terrazzo {
 
 NodeType texture_set_node() {
   using namespace texture_set;
-  NodeType type("TextureSet", 1);
+  NodeType type("TextureSet", 2);
   type.doc_(
           "Makes the texture maps of a plane through the solid, one period wide, so that they tile exactly: "
           "base "
           "color, normal, height, roughness, occlusion and particle ids.")
       .source_(
-          "Edges: opening by a ball, Sternberg 1986. Broken faces: Bouchaud, Lapasset and Planès 1990. "
+          "Edges: opening by a paraboloid, van den Boomgaard and Smeulders 1994. Broken faces: Bouchaud, "
+          "Lapasset and Planès 1990. "
           "Occlusion: "
           "Jiménez et al. 2016, equation 7");
   declare_ports(type);
@@ -251,10 +268,12 @@ NodeType texture_set_node() {
               .doc_("How far the binder of a honed or weathered face lies below the particles; if negative, "
                     "above them. Of a broken face: its standard deviation. auto: 0.01, 0.12 and 0.1 of the "
                     "mean particle size; for a volume, 2 voxels."))
-      .parameter(Parameter::optional_number("rounding", "auto")
-                     .unit_("mm")
-                     .range(0, 1e6)
-                     .doc_("Radius of the edges of a honed or weathered face. auto: half the relief."))
+      .parameter(
+          Parameter::optional_number("rounding", "auto")
+              .unit_("mm")
+              .range(0, 1e6)
+              .doc_("Radius of curvature at the top of the edges of a honed or weathered face. auto: half "
+                    "the relief."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "roughness", "auto")
                      .count(1, 64)
                      .range(0, 1)

@@ -26,9 +26,6 @@ TextureMaps paint_maps(const Volume& volume, const section::SectionLayout& layou
                        const Roughness& roughness, const Work& work) {
   section::VolumeSection cut = section::cut_volume(volume, layout, work.part(0, 0.4));
   const std::vector<float> cover = cover_of(volume, layout, work.part(0.4, 0.6));
-  if (relief != 0 && cover.empty())
-    throw Error("no-such-grid", "the volume has no grid 'density', which tells stones from binder",
-                "set finish to polished, or connect the particles instead of the volume");
   TextureMaps out;
   out.base_color = std::move(cut.image);
   out.roughness = Image(layout.pixels_x, layout.pixels_y, 1, layout.pixel_size);

@@ -7,9 +7,9 @@
 
 namespace terrazzo::texture_set {
 
-// Colors and particles as node Section shows them. Particles are where the grid `density` is, and lie
-// `relief` mm above the worn binder in the outlines that they have in the plane. All particles have one
-// roughness. Throws Error "no-such-grid" if a relief needs `density`, and the errors of cut_volume.
+// Colors and particles as node Section shows them. Particles are where the grid `density` is, or everywhere
+// without one, and lie `relief` mm above the worn binder in the outlines that they have in the plane. All
+// particles have one roughness. Throws the errors of cut_volume.
 TextureMaps paint_maps(const Volume&, const section::SectionLayout&, double relief, const Roughness&,
                        const Work& = {});
 

@@ -67,18 +67,46 @@ TEST(HeightField, ASlopeSeesAllOfItsHemisphere) {
   EXPECT_GT(occlusion_map(h).at(5, 0).x(), 0.99);
 }
 
-TEST(HeightField, ABallRoundsConvexEdgesOnly) {
-  const double height = 1, radius = 0.5;
-  HeightField h = field_of(400, 8, 0.01, [&](double x, double) { return x > 1 && x < 3 ? height : 0; });
-  round_edges(h, radius);
-  for (int x = 0; x < 200; ++x) {
-    const double from = (x + 0.5) * 0.01 - 1;  // from the edge
-    const double drop =
-        from < radius ? radius - std::sqrt(radius * radius - (radius - from) * (radius - from)) : 0;
-    if (from < 0)
-      EXPECT_EQ(h.at(x, 3), 0.0f) << x;
-    else if (from > 0.03)  // steeper than the texels can show
-      EXPECT_NEAR(h.at(x, 3), height - drop, 0.03) << x;
+TEST(HeightField, AParaboloidRoundsConvexEdgesOnly) {
+  // Over a step of H, the paraboloids whose apex is at the top and that touch the foot end √(2 R H) inside.
+  const double step = 1, radius = 0.5;
+  for (const double depth : {1.0, 7.0}) {  // below the floor, holes of any depth have the same rim
+    HeightField h =
+        field_of(400, 8, 0.01, [&](double x, double) { return x > 1 && x < 3 ? step : step - depth; });
+    const HeightField before = h;
+    round_edges(h, radius, 0);
+    for (int x = 0; x < 200; ++x) {
+      const double from = (x + 0.5) * 0.01 - 0.995;  // from the last texel of the foot
+      const double round = from * std::sqrt(2 * step / radius) - from * from / (2 * radius);
+      if (from < 0.005)
+        EXPECT_EQ(h.at(x, 3), before.at(x, 3)) << x;
+      else
+        EXPECT_NEAR(h.at(x, 3), from < std::sqrt(2 * radius * step) ? round : step, 0.002) << x;
+    }
+  }
+}
+
+// The definition, point by point: min over all places, then max.
+TEST(HeightField, RoundedEdgesAreAnOpening) {
+  const int width = 24, height = 18;
+  for (const double radius : {0.15, 1.0, 1e9}) {
+    const HeightField h = rough(width, height);
+    const auto drop = [&](int dx, int dy) {
+      dx = std::min(std::abs(dx), width - std::abs(dx));
+      dy = std::min(std::abs(dy), height - std::abs(dy));
+      return (dx * dx + dy * dy) * 0.01 / (2 * radius);
+    };
+    std::vector<double> low(h.mm.size(), 1e9), high(h.mm.size(), -1e9);
+    const auto each = [&](auto&& visit) {
+      for (int a = 0; a < width * height; ++a)
+        for (int b = 0; b < width * height; ++b)
+          visit(a, b, drop(a % width - b % width, a / width - b / width));
+    };
+    each([&](int a, int b, double d) { low[a] = std::min(low[a], double{h.mm[b]} + d); });
+    each([&](int a, int b, double d) { high[a] = std::max(high[a], low[b] - d); });
+    HeightField rounded = h;
+    round_edges(rounded, radius, -1);
+    for (std::size_t i = 0; i < high.size(); ++i) ASSERT_NEAR(rounded.mm[i], high[i], 1e-6) << radius;
   }
 }
 
@@ -96,8 +124,8 @@ TEST(HeightField, OppositeEdgesJoin) {
   expect_moved(normal_map(h), normal_map(moved));
   expect_moved(occlusion_map(h), occlusion_map(moved));
   HeightField a = h, b = moved;
-  round_edges(a, 0.35);
-  round_edges(b, 0.35);
+  round_edges(a, 0.35, -1);
+  round_edges(b, 0.35, -1);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) ASSERT_EQ(a.at(x, y), b.at((x + dx) % width, (y + dy) % height));
 }
