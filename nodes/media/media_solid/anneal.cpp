@@ -20,8 +20,11 @@ constexpr int kLeastVoxels = 6;   // along the shortest edge of the coarsest lev
 constexpr double kFewPlaces = 8;  // a frequency is known to that many places of the picture
 // A temperature of 1 accepts what a random solid with these frequencies would show.
 constexpr double kCoarseHeat = 10, kFineHeat = 5;
-constexpr double kCooled = 0.8;    // share of the sweeps after which the temperature is 0
-constexpr double kSettled = 2e-4;  // share of changed voxels at which sweeps end
+constexpr double kCooled = 0.8;     // share of the sweeps after which the temperature is 0
+constexpr double kSettled = 2e-4;   // share of changed voxels at which sweeps end
+constexpr int kRounds = 3;          // how often a level is heated at most
+constexpr double kMatched = 0.002;  // mismatch of a table: frequencies are right within about 4 %
+constexpr double kGain = 0.9;       // of the mismatch that a round must reach for another to follow
 
 int shortest_side(const std::vector<PhaseMap>& pictures) {
   int side = 1 << 30;
@@ -132,18 +135,33 @@ std::vector<std::int64_t> counts_of(const std::vector<double>& fractions, std::i
 // Coarse levels decide on the structure and are cheap.
 int sweeps_at(int stride) { return stride == 1 ? 12 : stride == 2 ? 30 : 60; }
 
-AnnealedLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
-  const int sweeps = sweeps_at(stride);
-  const double heat = stride > 1 ? kCoarseHeat : kFineHeat;
-  AnnealedLevel out{stride, 0, level.mismatch(), 0};
+// Lowers the temperature from `heat` to 0. Returns the number of sweeps.
+int cool(Level& level, int sweeps, double heat, std::size_t voxels, std::uint64_t seed, const Work& work) {
   for (int s = 0; s < sweeps; ++s) {
     const double temperature = heat * std::max(0.0, 1 - s / (kCooled * sweeps));
     const Work part = work.part(static_cast<double>(s) / sweeps, (s + 1.0) / sweeps);
-    const std::size_t changes = level.sweep(mix64(seed * 4096 + stride) + s, temperature, part);
-    ++out.sweeps;
-    if (temperature == 0 && changes <= kSettled * voxels) break;
+    const std::size_t changes = level.sweep(seed + s, temperature, part);
+    if (temperature == 0 && changes <= kSettled * voxels) return s + 1;
   }
-  out.end = level.mismatch();
+  return sweeps;
+}
+
+// Thin walls need slower cooling than grains to close: coarse levels are heated again, for twice as many
+// sweeps, until their patterns match or no longer gain from it. The finest level keeps their structure.
+AnnealedLevel anneal(Level& level, int stride, std::size_t voxels, std::uint64_t seed, const Work& work) {
+  const double heat = stride > 1 ? kCoarseHeat : kFineHeat;
+  const int rounds = stride > 1 ? kRounds : 1;
+  AnnealedLevel out{stride, 0, level.mismatch(), 0};
+  double before = 0;
+  for (int round = 0; round < rounds; ++round) {
+    const double all = (1 << rounds) - 1;
+    const Work part = work.part(((1 << round) - 1) / all, ((2 << round) - 1) / all);
+    out.sweeps +=
+        cool(level, sweeps_at(stride) << round, heat, voxels, mix64(seed * 4096 + stride) + out.sweeps, part);
+    out.end = level.mismatch();
+    if (out.end < kMatched * level.tables() || (round > 0 && out.end > kGain * before)) break;
+    before = out.end;
+  }
   return out;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 
 #include "nodes/data/indices.h"
@@ -13,19 +12,37 @@ namespace {
 
 constexpr std::size_t kBatch = 4096;  // voxels that decide on the same counts
 
-// Bit k tells whether byte k is not 0; bytes are below 128.
-std::uint64_t not_zero(std::uint64_t bytes) {
-  return (((bytes + 0x7f7f7f7f7f7f7f7full) >> 7 & 0x0101010101010101ull) * 0x0102040810204080ull) >> 56;
+// A line of five pixels as it lies in a pattern, where pixels of one column follow each other: bit 3i is
+// pixel i.
+using Spread = std::array<std::uint16_t, 1024>;
+
+constexpr Spread spread_of(const std::array<int, 5>& pixels) {
+  Spread out{};
+  for (int index = 0; index < 1024; ++index)
+    for (int i = 0; i < 5; ++i) out[index] |= (index >> pixels[i] & 1) << (3 * i);
+  return out;
 }
 
-// Of the pattern whose lower left pixel lies `corner` = 5·row + column into the 5 × 5 pixels.
-int pattern_at(std::uint32_t bits, int corner) {
-  return (bits >> corner & 7) | (bits >> (corner + 5) & 7) << 3 | (bits >> (corner + 10) & 7) << 6;
+// For spacings 1, 2 and 4. The last two pixels of a line of spacing 4 are moved 7 bits to the right, between
+// the others, so that the table stays small.
+constexpr Spread kSpread[3] = {spread_of({0, 1, 2, 3, 4}), spread_of({0, 2, 4, 6, 8}),
+                               spread_of({0, 4, 8, 5, 9})};
+
+// `row`: bit 0 is the first pixel.
+std::uint32_t spread(std::uint32_t row, int spacing) {
+  switch (spacing) {
+    case 1:
+      return kSpread[0][row & 31];
+    case 2:
+      return kSpread[1][row & 1023];
+    default:
+      row &= 0x11111;
+      return kSpread[2][(row | row >> 7) & 1023];
+  }
 }
 
-constexpr int kCorners[9] = {0, 1, 2, 5, 6, 7, 10, 11, 12};
 // The voxel in the middle is the last pixel of the first pattern, and the first of the last.
-constexpr int kMiddle[9] = {256, 128, 64, 32, 16, 8, 4, 2, 1};
+constexpr int kMiddle[3][3] = {{256, 32, 4}, {128, 16, 2}, {64, 8, 1}};
 
 }  // namespace
 
@@ -43,32 +60,50 @@ Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
       phases_(phases),
       counted_(phases == 2 ? 1 : phases),
       first_(phases == 2 ? 1 : 0) {
-  const double voxels = field_.size();
-  int widest = 0;
   for (const PatternTarget& t : targets) {
-    groups_.push_back({t.axis == 0 ? 1 : 0, t.axis == 2 ? 1 : 2, t.spacing, 3 * (t.spacing - 1)});
-    widest = std::max(widest, t.spacing);
-    for (int p = 0; p < counted_; ++p) {
-      PatternCounts& table = tables_.emplace_back();
-      for (int k = 0; k < kPatterns; ++k) {
-        const double expected = t.phase[first_ + p][k] * voxels;
-        table.excess[k] = -std::llround(expected);
-        table.weight[k] = static_cast<float>(1 / (expected + floor * voxels));
-      }
-    }
+    groups_.push_back(group_of(t.axis, t.spacing));
+    for (int p = first_; p < phases_; ++p) tables_.push_back(table_of(t.phase[p], floor));
   }
-  reach_.resize(3 * static_cast<std::size_t>(widest));
-  for (const Group& g : groups_)
-    for (const int axis : {g.columns, g.rows}) {
-      auto& reach = reach_[g.reach + axis];
-      reach.resize(static_cast<std::size_t>(kSpan) * size_[axis]);
-      for (int i = 0; i < size_[axis]; ++i)
-        for (int k = 0; k < kSpan; ++k) {
-          const int at = (i + (k - 2) * g.spacing) % size_[axis];
-          reach[static_cast<std::size_t>(kSpan) * i + k] = (at < 0 ? at + size_[axis] : at) * step_[axis];
-        }
-    }
+  for (int p = first_; p < phases_; ++p) bits_.push_back(bits_of(p));
   count_all(work);
+}
+
+Level::Group Level::group_of(int axis, int spacing) const {
+  Group out{axis, spacing, axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, 1, {}};
+  // Lines are numbered along x or y, and then along z.
+  const std::uint32_t across = size_[axis == 0 ? 0 : 1];
+  out.slice = axis == 2 ? across : 1;
+  const int n = size_[out.row];
+  for (int i = 0; i < n; ++i)
+    for (int k = -2; k <= 2; ++k) {
+      const int at = (i + k * spacing) % n;
+      out.lines.push_back((at < 0 ? at + n : at) * (axis == 2 ? 1 : across));
+    }
+  return out;
+}
+
+Level::PatternCounts Level::table_of(const Frequencies& frequencies, double floor) const {
+  const double voxels = field_.size();
+  PatternCounts out;
+  for (int k = 0; k < kPatterns; ++k) {
+    const double expected = frequencies[k] * voxels;
+    out.excess[k] = -std::llround(expected);
+    out.weight[k] = static_cast<float>(1 / (expected + floor * voxels));
+  }
+  return out;
+}
+
+Level::Bits Level::bits_of(int phase) const {
+  const std::size_t depth = size_.z();
+  Bits out{{size_.x(), size_.y() * depth}, {size_.y(), size_.x() * depth}};
+  for (std::size_t v = 0; v < field_.size(); ++v)
+    if (field_[v] == phase) set(out, place(v), true);
+  return out;
+}
+
+void Level::set(Bits& bits, const Vec3i& at, bool in) const {
+  bits.along_x.set(static_cast<std::size_t>(at.z()) * size_.y() + at.y(), at.x(), in);
+  bits.along_y.set(static_cast<std::size_t>(at.z()) * size_.x() + at.x(), at.y(), in);
 }
 
 Vec3i Level::place(std::uint32_t voxel) const {
@@ -76,99 +111,73 @@ Vec3i Level::place(std::uint32_t voxel) const {
   return {static_cast<int>(voxel % step_[1]), row % size_.y(), row / size_.y()};
 }
 
-void Level::gather(std::uint32_t voxel, std::vector<Around>& around) const {
-  const Vec3i at = place(voxel);
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Group& group = groups_[g];
-    const std::uint32_t* columns = &reach_[group.reach + group.columns][kSpan * at[group.columns]];
-    const std::uint32_t* rows = &reach_[group.reach + group.rows][kSpan * at[group.rows]];
-    const std::uint8_t* slice =
-        &field_[voxel - at[group.columns] * step_[group.columns] - at[group.rows] * step_[group.rows]];
-    // Local copies, since writing bytes could change what a pointer shows.
-    std::array<std::uint32_t, kSpan> across, up;
-    std::copy_n(columns, kSpan, across.begin());
-    std::copy_n(rows, kSpan, up.begin());
-    Around pixels{};
-    for (int j = 0; j < kSpan; ++j)
-      for (int i = 0; i < kSpan; ++i) pixels[kSpan * j + i] = slice[up[j] + across[i]];
-    around[g] = pixels;
-  }
+inline Level::Columns Level::around(const Group& group, const Bits& bits, const Vec3i& at) const {
+  const std::uint32_t* lines = &group.lines[kSpan * at[group.row]];
+  const PhaseBits& rows = group.axis == 0 ? bits.along_y : bits.along_x;
+  const std::uint32_t slice = at[group.axis] * group.slice;
+  std::array<std::uint32_t, kSpan> row;
+  for (int j = 0; j < kSpan; ++j)
+    row[j] =
+        spread(rows.around(slice + lines[j], at[group.column]) >> (PhaseBits::kReach - 2 * group.spacing),
+               group.spacing);
+  Columns out;
+  for (int j = 0; j < 3; ++j) out[j] = row[j] | row[j + 1] << 1 | row[j + 2] << 2;
+  return out;
 }
 
-std::uint32_t Level::bits(const Around& around, int phase) const {
-  std::uint32_t out = 0;
-  const std::uint64_t all = 0x0101010101010101ull * phase;
-  for (int word = 0; word < 4; ++word) {
-    std::uint64_t bytes;
-    std::memcpy(&bytes, &around[8 * word], 8);
-    out |= static_cast<std::uint32_t>(not_zero(bytes ^ all)) << (8 * word);
-  }
-  return ~out;
-}
-
-double Level::cost_of(const std::vector<Around>& around, int phase) const {
+double Level::cost_of(const Vec3i& at, int phase) const {
   double sum = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Step* step = tables_[g * counted_ + (phase - first_)].step.data();
-    const std::uint32_t b = bits(around[g], phase);
-    float part = 0;
-    for (int k = 0; k < 9; ++k) {
-      const int pattern = pattern_at(b, kCorners[k]);
-      part += step[pattern].remove + step[pattern ^ kMiddle[k]].add;
-    }
-    sum += part;
+    const Columns columns = around(groups_[g], bits_[phase - first_], at);
+    float remove = 0, add = 0;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const std::uint32_t pattern = columns[j] >> (3 * i) & (kPatterns - 1);
+        remove += step[pattern].remove;
+        add += step[pattern ^ kMiddle[j][i]].add;
+      }
+    sum += remove + add;
   }
   return sum;
 }
 
-double Level::cost(const std::vector<Around>& around, int from, int to) const {
-  return phases_ == 2 ? cost_of(around, 1) : cost_of(around, from) + cost_of(around, to);
+double Level::cost(std::uint32_t voxel, const Vec3i& at, int to) const {
+  return phases_ == 2 ? cost_of(at, 1) : cost_of(at, field_[voxel]) + cost_of(at, to);
 }
 
-void Level::apply(std::uint32_t voxel, const std::vector<Around>& around, int to) {
-  const int from = field_[voxel];
-  const auto flip = [&](int phase) {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      PatternCounts& table = tables_[g * counted_ + (phase - first_)];
-      const std::uint32_t b = bits(around[g], phase);
-      for (int k = 0; k < 9; ++k) {
-        const int pattern = pattern_at(b, kCorners[k]);
+void Level::change(const Vec3i& at, int phase, bool in) {
+  Bits& bits = bits_[phase - first_];
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    PatternCounts& table = tables_[g * counted_ + (phase - first_)];
+    const Columns columns = around(groups_[g], bits, at);
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        const std::uint32_t pattern = columns[j] >> (3 * i) & (kPatterns - 1);
         table.change(pattern, -1);
-        table.change(pattern ^ kMiddle[k], 1);
+        table.change(pattern ^ kMiddle[j][i], 1);
       }
-    }
-  };
-  if (phases_ == 2) {
-    flip(1);
-  } else {
-    flip(from);
-    flip(to);
   }
+  set(bits, at, in);
+}
+
+void Level::apply(std::uint32_t voxel, int to) {
+  const Vec3i at = place(voxel);
+  if (field_[voxel] >= first_) change(at, field_[voxel], false);
+  if (to >= first_) change(at, to, true);
   field_[voxel] = to;
 }
 
 void Level::count_all(const Work& work) {
   using Counts = std::array<std::int64_t, kPatterns>;
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const auto& columns = reach_[groups_[g].reach + groups_[g].columns];
-    const auto& rows = reach_[groups_[g].reach + groups_[g].rows];
+  for (std::size_t g = 0; g < groups_.size(); ++g)
     for (int p = 0; p < counted_; ++p) {
-      const int phase = first_ + p;
       const Counts counts = work.quiet().reduce(
           field_.size(), 1 << 16, Counts{},
           [&](std::size_t begin, std::size_t end) {
             Counts part{};
-            for (std::size_t v = begin; v < end; ++v) {
-              const Vec3i at = place(v);
-              const int a = groups_[g].columns, b = groups_[g].rows;
-              const std::uint8_t* slice = &field_[v - at[a] * step_[a] - at[b] * step_[b]];
-              int pattern = 0;
-              for (int j = 0; j < 3; ++j)
-                for (int i = 0; i < 3; ++i)
-                  pattern |= (slice[rows[kSpan * at[b] + 2 + j] + columns[kSpan * at[a] + 2 + i]] == phase)
-                             << (3 * j + i);
-              ++part[pattern];
-            }
+            // The pattern whose lower left pixel is the voxel.
+            for (std::size_t v = begin; v < end; ++v) ++part[around(groups_[g], bits_[p], place(v))[2] >> 6];
             return part;
           },
           [](Counts a, const Counts& b) {
@@ -177,11 +186,9 @@ void Level::count_all(const Work& work) {
           });
       for (int k = 0; k < kPatterns; ++k) tables_[g * counted_ + p].change(k, counts[k]);
     }
-  }
 }
 
-unsigned Level::neighbors(std::uint32_t voxel) const {
-  const Vec3i at = place(voxel);
+unsigned Level::neighbors(std::uint32_t voxel, const Vec3i& at) const {
   unsigned out = 0;
   for (int a = 0; a < 3; ++a) {
     const std::uint32_t round = step_[a] * (size_[a] - 1);
@@ -193,12 +200,17 @@ unsigned Level::neighbors(std::uint32_t voxel) const {
 
 std::vector<std::uint32_t> Level::interface(const Work& work) const {
   using List = std::vector<std::uint32_t>;
+  const std::size_t rows = field_.size() / step_[1];
   return work.quiet().reduce(
-      field_.size(), 1 << 16, List{},
+      rows, std::max<std::size_t>(1, (1 << 16) / step_[1]), List{},
       [&](std::size_t begin, std::size_t end) {
         List out;
-        for (std::size_t v = begin; v < end; ++v)
-          if (neighbors(v) & ~(1u << field_[v])) out.push_back(v);
+        std::uint32_t v = begin * step_[1];
+        for (std::size_t row = begin; row < end; ++row) {
+          Vec3i at = place(v);
+          for (; at.x() < size_.x(); ++at.x(), ++v)
+            if (neighbors(v, at) & ~(1u << field_[v])) out.push_back(v);
+        }
         return out;
       },
       [](List a, const List& b) {
@@ -207,21 +219,21 @@ std::vector<std::uint32_t> Level::interface(const Work& work) const {
       });
 }
 
-double Level::gain(std::uint32_t voxel, const std::vector<Around>& around, int to, std::uint64_t seed,
+double Level::gain(std::uint32_t voxel, const Vec3i& at, int to, std::uint64_t seed,
                    double temperature) const {
-  const double c = cost(around, field_[voxel], to);
+  const double c = cost(voxel, at, to);
   if (temperature <= 0) return -c;
   return -c - temperature * std::log(1 - Random(seed, 2 + to, voxel).uniform());
 }
 
-int Level::propose(std::uint32_t voxel, const std::vector<Around>& around, std::uint64_t seed,
-                   double temperature) const {
-  const unsigned others = neighbors(voxel);
+int Level::propose(std::uint32_t voxel, std::uint64_t seed, double temperature) const {
+  const Vec3i at = place(voxel);
+  const unsigned others = neighbors(voxel, at);
   int best = field_[voxel];
   double most = 0;
   for (int to = 0; to < phases_; ++to) {
     if (to == field_[voxel] || !(others >> to & 1)) continue;
-    if (const double g = gain(voxel, around, to, seed, temperature); g > most) {
+    if (const double g = gain(voxel, at, to, seed, temperature); g > most) {
       most = g;
       best = to;
     }
@@ -234,24 +246,17 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
   Random random(seed, 1);
   for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random.below(i)]);
   std::vector<std::uint8_t> wanted(kBatch);
-  std::vector<Around> around(groups_.size());
   std::size_t changes = 0;
   for (std::size_t first = 0; first < order.size(); first += kBatch) {
     const std::size_t n = std::min(kBatch, order.size() - first);
     work.quiet().parallel(n, 256, [&](std::size_t begin, std::size_t end) {
-      std::vector<Around> own(groups_.size());
-      for (std::size_t i = begin; i < end; ++i) {
-        gather(order[first + i], own);
-        wanted[i] = propose(order[first + i], own, seed, temperature);
-      }
+      for (std::size_t i = begin; i < end; ++i) wanted[i] = propose(order[first + i], seed, temperature);
     });
     // Weigh them again, one after the other, on the counts that the changes before have left.
     for (std::size_t i = 0; i < n; ++i) {
       const std::uint32_t v = order[first + i];
-      if (wanted[i] == field_[v]) continue;
-      gather(v, around);
-      if (gain(v, around, wanted[i], seed, temperature) <= 0) continue;
-      apply(v, around, wanted[i]);
+      if (wanted[i] == field_[v] || gain(v, place(v), wanted[i], seed, temperature) <= 0) continue;
+      apply(v, wanted[i]);
       ++changes;
     }
     work.done(first + n, order.size());
@@ -275,7 +280,7 @@ void Level::settle(const std::vector<std::int64_t>& count, const Work& work) {
 void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
   std::vector<std::uint32_t> at;
   for (const std::uint32_t v : interface(work))
-    if (field_[v] == from && (neighbors(v) >> to & 1)) at.push_back(v);
+    if (field_[v] == from && (neighbors(v, place(v)) >> to & 1)) at.push_back(v);
   if (at.size() < n) {  // the phases hardly touch
     at.clear();
     for (std::size_t v = 0; v < field_.size(); ++v)
@@ -283,18 +288,10 @@ void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
   }
   std::vector<std::pair<double, std::uint32_t>> costs(at.size());
   work.parallel(at.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    std::vector<Around> around(groups_.size());
-    for (std::size_t i = begin; i < end; ++i) {
-      gather(at[i], around);
-      costs[i] = {cost(around, from, to), at[i]};
-    }
+    for (std::size_t i = begin; i < end; ++i) costs[i] = {cost(at[i], place(at[i]), to), at[i]};
   });
   std::partial_sort(costs.begin(), costs.begin() + n, costs.end());
-  std::vector<Around> around(groups_.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    gather(costs[k].second, around);
-    apply(costs[k].second, around, to);
-  }
+  for (std::size_t k = 0; k < n; ++k) apply(costs[k].second, to);
 }
 
 double Level::mismatch() const {

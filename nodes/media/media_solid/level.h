@@ -7,6 +7,7 @@
 
 #include "nodes/data/linear.h"
 #include "nodes/media/media_solid/patterns.h"
+#include "nodes/media/media_solid/phase_bits.h"
 #include "runtime/work.h"
 
 namespace terrazzo::media_solid {
@@ -35,6 +36,7 @@ class Level {
 
   // Σ over targets, phases and patterns of (p − q)² / (q + q₀).
   double mismatch() const;
+  int tables() const { return static_cast<int>(tables_.size()); }  // targets times phases that count
   std::vector<std::uint8_t> take() { return std::move(field_); }
 
  private:
@@ -49,36 +51,43 @@ class Level {
     std::array<Step, kPatterns> step;
     void change(int pattern, std::int64_t by);
   };
-  struct Group {                 // slices across one axis at one spacing
-    int columns, rows, spacing;  // axes along which columns and rows run
-    int reach;                   // index into reach_
+  struct Group {  // slices across one axis at one spacing
+    int axis, spacing;
+    int column, row;                   // axes along which columns and rows run
+    std::uint32_t slice;               // lines of `Bits` from a slice to the next
+    std::vector<std::uint32_t> lines;  // [position along rows][5]: lines that patterns over it reach
   };
-  // The phases around a voxel in every group, 5 × 5 each, padded.
-  using Around = std::array<std::uint8_t, 32>;
-
+  using Columns = std::array<std::uint32_t, 3>;  // of three rows of pixels, [first row]: bit 3·column + row
+  struct Bits {                                  // of a phase, along the rows of the slices
+    PhaseBits along_x, along_y;
+  };
+  Group group_of(int axis, int spacing) const;
+  PatternCounts table_of(const Frequencies&, double floor) const;
+  Bits bits_of(int phase) const;
   Vec3i place(std::uint32_t voxel) const;
-  void gather(std::uint32_t voxel, std::vector<Around>&) const;
-  std::uint32_t bits(const Around&, int phase) const;
-  double cost_of(const std::vector<Around>&, int phase) const;
-  double cost(const std::vector<Around>&, int from, int to) const;
+  // Which of the 5 × 5 voxels around `at` in the group's slice are in a phase: three rows of three patterns.
+  Columns around(const Group&, const Bits&, const Vec3i& at) const;
+  double cost_of(const Vec3i& at, int phase) const;  // of leaving the phase, or of entering it
+  double cost(std::uint32_t voxel, const Vec3i& at, int to) const;
   void move_cheapest(int from, int to, std::size_t n, const Work&);
-  void apply(std::uint32_t voxel, const std::vector<Around>&, int to);
+  void set(Bits&, const Vec3i& at, bool in) const;
+  void change(const Vec3i& at, int phase, bool in);
+  void apply(std::uint32_t voxel, int to);
   void count_all(const Work&);
-  unsigned neighbors(std::uint32_t voxel) const;  // bit p: phase p across a face
+  unsigned neighbors(std::uint32_t voxel, const Vec3i& at) const;  // bit p: phase p across a face
   std::vector<std::uint32_t> interface(const Work&) const;
   // What a change lowers the cost by, more than the temperature asks at this voxel; above 0 it is made.
-  double gain(std::uint32_t voxel, const std::vector<Around>&, int to, std::uint64_t seed,
-              double temperature) const;
+  double gain(std::uint32_t voxel, const Vec3i& at, int to, std::uint64_t seed, double temperature) const;
   // The best phase at this temperature, or the present one.
-  int propose(std::uint32_t voxel, const std::vector<Around>&, std::uint64_t seed, double temperature) const;
+  int propose(std::uint32_t voxel, std::uint64_t seed, double temperature) const;
 
   std::vector<std::uint8_t> field_;
   Vec3i size_;
   std::array<std::uint32_t, 3> step_;
   int phases_, counted_, first_;  // phases, those that count, the first of these
   std::vector<Group> groups_;
-  std::vector<std::vector<std::uint32_t>> reach_;  // [spacing and axis][position][5]: where in field_
-  std::vector<PatternCounts> tables_;              // [group][phase that counts]
+  std::vector<Bits> bits_;             // of the phases that count
+  std::vector<PatternCounts> tables_;  // [group][phase that counts]
 };
 
 }  // namespace terrazzo::media_solid

@@ -211,7 +211,7 @@ namespace terrazzo {
 NodeType media_solid_node() {
   using namespace media_solid;
   NodeType type =
-      NodeType("MediaSolid", 1)
+      NodeType("MediaSolid", 2)
           .doc_(
               "Makes a tileable solid of phases whose slices show the same patterns as one to three pictures")
           .source_("Deutsch 1992; Peredo and Ortiz 2011; Yeong and Torquato 1998")

@@ -8,11 +8,11 @@ namespace {
 // The pattern that `pattern` becomes by one of eight rotations and reflections.
 int turn(int pattern, int symmetry) {
   int out = 0;
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column) {
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) {
       int r = symmetry & 1 ? 2 - row : row, c = symmetry & 2 ? 2 - column : column;
       if (symmetry & 4) std::swap(r, c);
-      out |= (pattern >> (3 * r + c) & 1) << (3 * row + column);
+      out |= (pattern >> (3 * c + r) & 1) << (3 * column + row);
     }
   return out;
 }
@@ -23,7 +23,7 @@ int column_bits(const media::PhaseMap& map, int phase, int x, int top, int spaci
   for (int row = 0; row < 3; ++row) {
     const std::uint8_t p = map.at[map.index(x, top + (2 - row) * spacing)];
     if (p == media::kUnobserved) return -1;
-    bits |= (p == phase) << (3 * row);
+    bits |= (p == phase) << row;
   }
   return bits;
 }
@@ -39,7 +39,7 @@ Frequencies pattern_frequencies(const media::PhaseMap& map, int phase, int spaci
     for (int x = 0; x + 2 * spacing < map.width; ++x) {
       const int a = columns[x], b = columns[x + spacing], c = columns[x + 2 * spacing];
       if ((a | b | c) < 0) continue;
-      ++counts[a | b << 1 | c << 2];
+      ++counts[a | b << 3 | c << 6];
       ++all;
     }
   }

@@ -11,7 +11,7 @@ namespace terrazzo::media_solid {
 
 constexpr int kPatterns = 512;
 
-// Bit 3·row + column of a pattern tells whether that pixel is in the phase; rows run upwards in the picture.
+// Bit 3·column + row of a pattern tells whether that pixel is in the phase; rows run upwards in the picture.
 using Frequencies = std::array<double, kPatterns>;
 
 // Frequencies of the patterns of one phase whose pixels are `spacing` apart, at all places where all nine are
