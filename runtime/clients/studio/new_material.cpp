@@ -94,11 +94,23 @@ class Inliner {
   std::map<std::string, std::string> names_;
 };
 
-void check_picture(const fs::path& file, const std::string& name) try { read_image(file); } catch (Error& e) {
+Image read_picture(const fs::path& file, const std::string& name) try {
+  return read_image(file);
+} catch (Error& e) {
   Diagnostic d = e.diagnostic();
   if (const auto at = d.message.find(file.string()); at != std::string::npos)
     d.message.replace(at, file.string().size(), name);
   throw Error(d);
+}
+
+Image picture_of(const std::string& bytes, const std::string& name) {
+  if (!is_picture_name(name))
+    throw Error("unknown-format", "'" + name + "' is not a picture that can be read",
+                "use JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM");
+  const TemporaryFile file(fs::temp_directory_path(), "terrazzo_picture",
+                           fs::path(name).extension().string());
+  std::ofstream(file.path(), std::ios::binary) << bytes;
+  return read_picture(file.path(), name);
 }
 
 // Writes a file under a name, or with a number if that exists. If one of these files has the content already,
@@ -116,10 +128,21 @@ NewFile write_once(const fs::path& name, const std::string& content) {
   return {file.path(), true};
 }
 
-NewFile write_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
+NewFile write_graph(const fs::path& photo, const fs::path& folder, Content content,
+                    const Settings& settings) {
   const std::string relative = photo.lexically_proximate(fs::absolute(folder)).string();
   return write_once(folder / (photo.stem().string() + ".yaml"),
-                    graph_of_photograph(relative, photo.stem().string(), settings));
+                    graph_of_photograph(relative, photo.stem().string(), content, settings));
+}
+
+// The graph of the particles in a photograph, without the subgraph that it uses.
+Source particles_graph(const fs::path& folder) {
+  const Source outer = read_source(folder / "aggregate.yaml");
+  const auto asset = std::ranges::find_if(outer.doc.nodes, [](const RawNode& n) { return !n.graph.empty(); });
+  if (asset == outer.doc.nodes.end()) throw Error("no-library", "aggregate.yaml uses no other graph");
+  Source inner = read_source((folder / asset->graph).lexically_normal());
+  inner.text = Inliner(inner, outer, asset->name).run();
+  return inner;
 }
 
 // The new reference to a file, or nothing if the value is no relative path.
@@ -143,47 +166,42 @@ bool is_picture_name(const fs::path& path) {
   return std::ranges::find(kKnown, extension) != kKnown.end();
 }
 
-std::string graph_of_photograph(const std::string& photo, const std::string& title,
+std::string graph_of_photograph(const std::string& photo, const std::string& title, Content content,
                                 const Settings& settings) {
   const fs::path folder = cli::default_graph().parent_path();
-  const Source outer = read_source(folder / "aggregate.yaml");
-  const auto asset = std::ranges::find_if(outer.doc.nodes, [](const RawNode& n) { return !n.graph.empty(); });
-  if (asset == outer.doc.nodes.end()) throw Error("no-library", "aggregate.yaml uses no other graph");
-  const Source inner = read_source((folder / asset->graph).lexically_normal());
-  std::string text = Inliner(inner, outer, asset->name).run();
+  const Source source = content == Content::Particles
+                            ? particles_graph(folder)
+                            : read_source((folder / "../library/media.yaml").lexically_normal());
+  std::string text = source.text;
   Settings all = settings;
   all.emplace_back("photo", photo);
   for (const auto& [name, value] : all)
-    text = edit_document(text, inner.doc.file,
+    text = edit_document(text, source.doc.file,
                          {Edit::Kind::SetDefault, "", name, read_written(yaml_word(value))});
   return set_yaml_entry(text, {"name"}, yaml_word(title)).value_or(text);
 }
 
+media::Recommendation recommend(const std::string& bytes, const std::string& name) {
+  return media::recommend(picture_of(bytes, name), {});
+}
+
 NewFile create_graph(const fs::path& photo, const fs::path& folder, const Settings& settings) {
-  check_picture(photo, photo.string());
+  read_picture(photo, photo.string());
   const fs::path full = fs::absolute(photo).lexically_normal();
   if (full.string().find_first_of("*?[]$") != std::string::npos)
     throw Error("bad-name", "the path '" + full.string() + "' contains one of * ? [ ] $",
                 "rename the picture");
-  return write_graph(full, folder, settings);
+  return write_graph(full, folder, Content::Particles, settings);
 }
 
 NewFile create_graph(const std::string& bytes, const std::string& name, const fs::path& folder,
-                     const Settings& settings) {
-  if (!is_picture_name(name))
-    throw Error("unknown-format", "'" + name + "' is not a picture that can be read",
-                "use JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM");
-  {
-    const TemporaryFile trial(fs::temp_directory_path(), "terrazzo_picture",
-                              fs::path(name).extension().string());
-    std::ofstream(trial.path(), std::ios::binary) << bytes;
-    check_picture(trial.path(), name);
-  }
+                     Content content, const Settings& settings) {
+  picture_of(bytes, name);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
     throw Error("write-failed", "cannot create the folder '" + folder.string() + "': " + error.message());
-  return write_graph(fs::absolute(write_once(folder / name, bytes).path), folder, settings);
+  return write_graph(fs::absolute(write_once(folder / name, bytes).path), folder, content, settings);
 }
 
 std::string relocated(const std::string& text, const fs::path& from, const fs::path& to,

@@ -86,8 +86,18 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
             throw Error("bad-value", "the size of a pixel is not a number of mm from 0.000001 to 1,000,000");
           settings.emplace_back("pixel_size", text);
         }
-        open(Document(create_graph(in.body, name, folder, settings).path), discard, out);
+        const std::string content = in.has_param("content") ? in.get_param_value("content") : "particles";
+        if (content != "particles" && content != "phases")
+          throw Error("bad-value", "the content is neither 'particles' nor 'phases'");
+        open(Document(create_graph(in.body, name, folder,
+                                   content == "phases" ? Content::Phases : Content::Particles, settings)
+                          .path),
+             discard, out);
       }));
+  http.Post("/api/recommend", server.upload_handler([](const In& in, const json&, Out& out) {
+    const auto found = recommend(in.body, file_name(in.get_param_value("name")));
+    LocalServer::answer(out, {{"content", found.phases ? "phases" : "particles"}, {"why", found.why}});
+  }));
   http.Post("/api/save_as", server.handler([&](const In&, const json& body, Out& out) {
     fs::path file = start.workspace.resolve(body.at("file").get<std::string>());
     if (file.extension() != ".yaml" && file.extension() != ".yml") file += ".yaml";

@@ -12,9 +12,10 @@ struct StudioStart;
 // GET /api/start: {welcome, folder, materials: [{name, title, doc, picture}], graphs: [{file, changed}]}, the
 // graphs below the workspace. GET /api/picture/NAME: the picture of a material. POST /api/open {material or
 // graph, discard}. POST /api/photograph?name&folder&pixel_size&
-// discard, with the bytes of a picture: creates a graph of it in a folder below the workspace, and opens it.
-// POST /api/save_as {file}: below the workspace. Answers name the `file` that is open then. All arguments
-// must outlive the server.
+// content=particles|phases&discard, with the bytes of a picture: creates a graph of it in a folder below the
+// workspace, and opens it. POST /api/recommend?name, with these bytes: {content, why}. POST /api/save_as
+// {file}: below the workspace. Other answers name the `file` that is open then. All arguments must outlive
+// the server.
 void add_start_routes(LocalServer&, LiveGraph&, const Registry&, const StudioStart&);
 
 }  // namespace terrazzo::studio

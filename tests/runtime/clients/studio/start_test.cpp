@@ -3,6 +3,8 @@
 
 #include <sys/stat.h>
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/io/image_file.h"
@@ -62,6 +64,43 @@ TEST_F(StudioStarts, AnUploadedPhotographBecomesAGraphBesideIt) {
   EXPECT_EQ(*read_file(folder / "stone/my stone.yaml"), text + "# mine\n");
   EXPECT_EQ(upload(query, bytes)["file"], (folder / "stone/my stone_2.yaml").string());
   EXPECT_FALSE(fs::exists(folder / "stone/my stone_2.png"));
+}
+
+// Wavy bands are phases; separate discs are particles.
+Image drawn(bool bands) {
+  Image out(128, 128, 1, 1);
+  for (int y = 0; y < 128; ++y)
+    for (int x = 0; x < 128; ++x) {
+      const bool in = bands ? std::sin(0.3 * x + 3 * std::sin(0.15 * y)) > 0
+                            : std::hypot(x % 32 - 15.5, y % 32 - 15.5) < 11;
+      out.at(x, y) = Vec3f::Constant(in ? 0.8f : 0.1f);
+    }
+  return out;
+}
+
+TEST_F(StudioStarts, APictureOfPhasesIsRecognizedAndBecomesAGraphOfPhases) {
+  const auto recommended = [&](bool bands) {
+    write_image(folder / "drawn.png", drawn(bands));
+    return post("/api/recommend?name=drawn.png", *read_file(folder / "drawn.png"),
+                "application/octet-stream");
+  };
+  EXPECT_EQ(recommended(false)["content"], "particles");
+  const json phases = recommended(true);
+  EXPECT_EQ(phases["content"], "phases");
+  EXPECT_NE(phases["why"].get<std::string>().find("2 gray levels"), std::string::npos) << phases;
+  // A flat picture has no phases, and what is no picture is refused.
+  EXPECT_EQ(post("/api/recommend?name=a.png", bytes, "application/octet-stream")["content"], "particles");
+  EXPECT_EQ(post("/api/recommend?name=a.png", "no picture", "application/octet-stream")["code"],
+            "unreadable-image");
+
+  const std::string drawn = *read_file(folder / "drawn.png");
+  EXPECT_EQ(upload("name=a.png&folder=a&content=stripes", drawn)["code"], "bad-value");
+  EXPECT_EQ(upload("name=rock.png&folder=a&pixel_size=0.05&content=phases", drawn)["file"],
+            (folder / "a/rock.yaml").string());
+  const std::string text = document()["text"];
+  EXPECT_EQ(document()["name"], "rock");
+  EXPECT_NE(text.find("photo: {type: path, default: rock.png, "), std::string::npos) << text;
+  EXPECT_NE(text.find("type: MediaSolid"), std::string::npos);
 }
 
 TEST_F(StudioStarts, WhatIsNoPictureLeavesNothingBehind) {
@@ -139,7 +178,8 @@ TEST_F(StudioStarts, AGraphIsSavedUnderAnotherName) {
 TEST(StudioNewMaterial, ThePhotographsGraphIsCompleteAndComputesNothingElse) {
   Registry registry;
   register_nodes(registry);
-  const std::string text = studio::graph_of_photograph("a b: c.png", "Stone", {{"pixel_size", "0.05"}});
+  const std::string text = studio::graph_of_photograph("a b: c.png", "Stone", studio::Content::Particles,
+                                                       {{"pixel_size", "0.05"}});
   Diagnostics found;
   const Graph graph = load_graph_text(text, test::source_folder() / "graphs/x.yaml", registry, {}, found);
   for (const auto& d : found) EXPECT_EQ(d.code, "no-file") << d.text();

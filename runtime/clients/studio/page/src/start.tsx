@@ -1,22 +1,35 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { openGraph, openMaterial, post, upload, useStore } from './store';
+import { type Content, openGraph, openMaterial, post, recommended, upload, useStore } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 
-// A graph for a photograph: where its files go, and the size of a pixel.
+const CONTENTS: [Content, string][] = [['particles', 'particles, such as stones or grains'], ['phases', 'phases, such as pores or an alloy']];
+
+// A graph for a photograph: what it shows, where its files go, and the size of a pixel.
 function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
   const [place, setPlace] = useState(stem(picture.name));
   const [pixel, setPixel] = useState('0.1');
   const [size, setSize] = useState<{ w: number; h: number } | null>(null);
   const [busy, setBusy] = useState(false);
+  const [advice, setAdvice] = useState<{ content: Content; why: string } | null>(null);
+  const [choice, setChoice] = useState<Content | null>(null);
+  useEffect(() => {
+    let current = true;
+    setAdvice(null);
+    setChoice(null);
+    void recommended(picture).then(a => current && setAdvice(a));
+    return () => { current = false; };
+  }, [picture]);
+  const content = choice ?? advice?.content;
   const url = useMemo(() => URL.createObjectURL(picture), [picture]);
   useEffect(() => () => URL.revokeObjectURL(url), [url]);
   useEffect(() => setPlace(stem(picture.name)), [picture]);
   const mm = Number(pixel);
   const create = async () => {
+    if (!content) return;
     setBusy(true);
-    await upload(picture, place, pixel);
+    await upload(picture, place, pixel, content);
     setBusy(false);
   };
   return (
@@ -27,9 +40,14 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
         <h2>{picture.name}{size && `, ${size.w} × ${size.h} pixels`}</h2>
         <label>{'Size of a pixel '}<input value={pixel} inputMode="decimal" aria-describedby="extent" onChange={e => setPixel(e.target.value)} autoFocus />{' mm'}</label>
         <p id="extent" className="doc">{size && mm > 0 ? `The photograph shows ${(size.w * mm).toPrecision(3)} × ${(size.h * mm).toPrecision(3)} mm of the material.` : 'The edge of a pixel on the material’s surface.'}</p>
+        <fieldset>
+          <legend>It shows</legend>
+          {CONTENTS.map(([name, label]) => <label key={name}><input type="radio" name="content" checked={content === name} onChange={() => setChoice(name)} />{' ' + label}</label>)}
+        </fieldset>
+        <p className="doc" aria-live="polite">{advice ? `Recommended: ${advice.content}. ${advice.why}` : 'Looking at the picture…'}</p>
         <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
         <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
-        <p className="row"><button className="primary" disabled={busy || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>
+        <p className="row"><button className="primary" disabled={busy || !content || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>
           <button type="button" onClick={() => useStore.setState({ picture: null })}>Choose another picture</button></p>
       </div>
     </form>

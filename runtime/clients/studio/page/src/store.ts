@@ -79,9 +79,15 @@ export async function showStart(): Promise<void> {
   const answer = await fetch('/api/start').catch(() => null);
   if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
 }
-export async function upload(picture: File, folder: string, pixelSize: string, discard = false): Promise<void> {
-  const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, discard: String(discard) });
-  opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, true)));
+export type Content = 'particles' | 'phases';
+// What to take a picture for, and why. A picture that cannot be read is refused when it is uploaded.
+export async function recommended(picture: File): Promise<{ content: Content; why: string }> {
+  const answer = await fetch(`/api/recommend?${new URLSearchParams({ name: picture.name })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: picture }).catch(() => null);
+  return answer?.ok ? await answer.json() : { content: 'particles', why: 'The picture could not be looked at.' };
+}
+export async function upload(picture: File, folder: string, pixelSize: string, content: Content, discard = false): Promise<void> {
+  const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, content, discard: String(discard) });
+  opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, content, true)));
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
