@@ -49,7 +49,8 @@ NodeType export_node() {
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
       .parameter(Parameter::output_path("path").doc_(
           "File to write: .glb (particles with shapes, or shapes, with colors or a texture if they have "
-          "them, or texture maps on a plane), .mtlx (texture maps, which are written beside it), .usda "
+          "them, or texture maps on a plane or a shape), .mtlx (texture maps, which are written beside it), "
+          ".usda "
           "(particles with shapes, or shapes, and a volume as .vdb beside it), .xml, .pbrt "
           "(scenes for Mitsuba 3 and pbrt-v4: particles with shapes, and a volume as the medium of the "
           "binder), .vdb, .nvdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "

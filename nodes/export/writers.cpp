@@ -92,11 +92,15 @@ void write_glb_file(const Job& job) {
   Context& c = job.context;
   const MaterialMaps maps = job.maps();
   if (std::any_of(kMaps.begin(), kMaps.end(), [&](const MapName& map) { return maps.*map.image; })) {
-    if (job.find<Shapes>("Shapes") || job.find<Image>("Image") || job.particles())
-      throw Error("format-does-not-fit", "texture maps are shown on a plane, not on shapes or particles",
+    const Shapes* shapes = job.find<Shapes>("Shapes");
+    if (job.find<Image>("Image") || job.particles() || (shapes && shapes->shapes.size() != 1))
+      throw Error("format-does-not-fit",
+                  "texture maps are shown on a plane or on one shape, not with particles or an image",
                   "use one Export node for each")
           .parameter("path");
-    return write_named(c, job.path, [&](const fs::path& file) { write_glb(file, maps, c.provenance()); });
+    return write_named(c, job.path, [&](const fs::path& file) {
+      write_glb(file, maps, c.provenance(), shapes ? &shapes->shapes[0] : nullptr);
+    });
   }
   require_value(job.format, job.values, "Shapes");
   const Shapes& shapes = *job.find<Shapes>("Shapes");

@@ -84,7 +84,7 @@ Shape plane(double width, double height) {
 void require_equal_sizes(const MaterialMaps& maps) {
   if (!maps.base_color)
     throw Error("missing-input", "a material needs the map base_color, which is not connected",
-                "connect TextureSet.base_color");
+                "connect base_color of TextureSet or Bake");
   for (const MapName& map : kMaps)
     if (const Image* image = maps.*map.image) {
       require_one_section(map.name, *image);
@@ -96,7 +96,7 @@ void require_equal_sizes(const MaterialMaps& maps) {
       throw Error("size-mismatch",
                   fmt::format("{} has {} × {} pixels, but base_color has {} × {}", map.name, image->width,
                               image->height, maps.base_color->width, maps.base_color->height),
-                  "connect maps of the same TextureSet");
+                  "connect maps of the same node");
 }
 
 }  // namespace
@@ -130,8 +130,12 @@ void write_map(const std::filesystem::path& path, const MapName& map, const Imag
   write_samples(path, encoding, rounded<std::uint8_t>(image, encoding.channels, 255).data());
 }
 
-void write_glb(const std::filesystem::path& path, const MaterialMaps& maps, const std::string& provenance) {
+void write_glb(const std::filesystem::path& path, const MaterialMaps& maps, const std::string& provenance,
+               const Shape* mesh) {
   require_equal_sizes(maps);
+  if (mesh && mesh->uv.empty())
+    throw Error("no-uv", "the shape '" + mesh->name + "' has no texture coordinates, so no map fits it",
+                "connect Bake.mesh");
   const Image& base = *maps.base_color;
   GltfPacker pack;
   const int material = pack.textured_material("material", base);
@@ -143,15 +147,17 @@ void write_glb(const std::filesystem::path& path, const MaterialMaps& maps, cons
   if (maps.occlusion) m.occlusionTexture.index = packed;
   if (maps.normal)
     m.normalTexture.index = pack.texture("normal", png_of(base, rounded<std::uint8_t>(*maps.normal, 3, 255)));
-  const Shape shape = plane(base.width * base.pixel_size, base.height * base.pixel_size);
+  const Shape shape = mesh ? *mesh : plane(base.width * base.pixel_size, base.height * base.pixel_size);
   tinygltf::Primitive primitive = pack.primitive(shape, true);
-  std::vector<float> tangents;
-  for (int corner = 0; corner < 6; ++corner) tangents.insert(tangents.end(), {1, 0, 0, 1});
-  primitive.attributes["TANGENT"] = pack.floats(tangents, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
+  if (!mesh) {  // readers derive the tangents of a mesh from its texture coordinates, as glTF prescribes
+    std::vector<float> tangents;
+    for (int corner = 0; corner < 6; ++corner) tangents.insert(tangents.end(), {1, 0, 0, 1});
+    primitive.attributes["TANGENT"] = pack.floats(tangents, 4, TINYGLTF_TARGET_ARRAY_BUFFER);
+  }
   primitive.material = material;
   tinygltf::Node node;
   node.name = "material";
-  node.mesh = pack.mesh("plane", primitive);
+  node.mesh = pack.mesh(shape.name, primitive);
   pack.root(pack.node(std::move(node)));
   pack.write(path, provenance);
 }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "nodes/data/image.h"
+#include "nodes/data/shapes.h"
 
 namespace terrazzo::exporting {
 
@@ -39,8 +40,9 @@ inline constexpr std::array<MapName, 6> kMaps = {{
 // write_samples.
 void write_map(const std::filesystem::path&, const MapName&, const Image&, const std::string& provenance);
 
-// A plane of the maps' size in mm, z up, with all of them as one material. Throws Error "missing-input"
-// without base_color, "size-mismatch", and the errors of GltfPacker::write.
-void write_glb(const std::filesystem::path&, const MaterialMaps&, const std::string& provenance);
+// The mesh, or without one a plane of the maps' size in mm, z up, with all maps as one material. Throws Error
+// "missing-input" without base_color, "size-mismatch", "no-uv", and the errors of GltfPacker::write.
+void write_glb(const std::filesystem::path&, const MaterialMaps&, const std::string& provenance,
+               const Shape* mesh = nullptr);
 
 }  // namespace terrazzo::exporting

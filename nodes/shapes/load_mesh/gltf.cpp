@@ -309,6 +309,7 @@ class SceneReader {
     }
     if (skins_) reading_.warn("the file has bones, which are ignored: the mesh is in its rest position");
     if (skipped_) reading_.warn("points and lines in the file were left out");
+    if (!textured_) soup_.uv.clear();
     return std::move(soup_);
   }
 
@@ -357,7 +358,7 @@ class SceneReader {
     const AccessorReader points(model_, position->second, what + ": POSITION", 3);
     const auto triangles = triangles_of_primitive(model_, primitive, points.count(), what);
     // A mesh may be used by many nodes and instances.
-    bytes_ += 24.0 * double(points.count()) + 120.0 * double(triangles.size());
+    bytes_ += 24.0 * double(points.count()) + 180.0 * double(triangles.size());
     require_memory(bytes_, reading_.memory, "the meshes of the scene");
     const std::size_t first = soup_.vertices.size();
     if (first + points.count() > 0x7fffffff) unsupported("it has more than 2^31 vertices", "split it");
@@ -369,12 +370,30 @@ class SceneReader {
       soup_.vertices.push_back(kMillimeters * Vec3(m.x(), -m.z(), m.y()));
     }
     const bool mirrored = place.linear().determinant() < 0;
-    for (const auto& t : triangles) {
+    const std::vector<Eigen::Vector2f> uv = coordinates_of(primitive, points.count(), what);
+    textured_ = textured_ && !uv.empty();
+    for (auto t : triangles) {
+      if (mirrored) std::swap(t[1], t[2]);
       std::vector<int> polygon;
       for (const std::size_t v : t) polygon.push_back(first + v);
-      if (mirrored) std::swap(polygon[1], polygon[2]);
       soup_.polygons.push_back(std::move(polygon));
+      if (textured_) soup_.uv.push_back({uv[t[0]], uv[t[1]], uv[t[2]]});
     }
+  }
+
+  // Of each vertex; empty if not all have finite ones.
+  std::vector<Eigen::Vector2f> coordinates_of(const tinygltf::Primitive& primitive, std::size_t vertices,
+                                              const std::string& what) const {
+    const auto found = primitive.attributes.find("TEXCOORD_0");
+    if (found == primitive.attributes.end()) return {};
+    const AccessorReader given(model_, found->second, what + ": TEXCOORD_0", 2);
+    if (given.count() != vertices) bad(what + " has another number of positions than of TEXCOORD_0");
+    std::vector<Eigen::Vector2f> out;
+    for (std::size_t i = 0; i < vertices; ++i) {
+      out.emplace_back(static_cast<float>(given.number(i, 0)), static_cast<float>(given.number(i, 1)));
+      if (!out.back().allFinite()) return {};
+    }
+    return out;
   }
 
   const tinygltf::Model& model_;
@@ -382,7 +401,7 @@ class SceneReader {
   PolygonSoup soup_;
   std::vector<bool> seen_;
   double bytes_ = 0;
-  bool skins_ = false, skipped_ = false;
+  bool skins_ = false, skipped_ = false, textured_ = true;
 };
 
 }  // namespace

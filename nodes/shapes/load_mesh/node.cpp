@@ -8,9 +8,11 @@
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/reduce.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/data/indices.h"
 #include "nodes/shapes/load_mesh/bodies.h"
 #include "nodes/shapes/load_mesh/read_mesh.h"
 #include "nodes/shapes/load_mesh/repair.h"
+#include "nodes/shapes/load_mesh/surface.h"
 #include "runtime/context.h"
 
 namespace terrazzo::load_mesh {
@@ -125,7 +127,43 @@ void warn_of_bodies(Context& c, const std::string& file, const std::vector<Mesh>
                      bodies.size(), least, most));
 }
 
+// For `surface`: each file is one shape.
+Shapes surfaces_from(Context& c) {
+  const auto& files = c.files("path");
+  Shapes shapes;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string stem = files[i].stem().string();
+    try {
+      Shape shape = surface_of(read_mesh(files[i], reading_of(c)), c.work());
+      for (Vec3& v : shape.mesh.vertices) v *= c.number("scale");
+      shape.surface_area *= c.number("scale") * c.number("scale");
+      shape.name = valid_utf8(stem);
+      shape.probability = 1.0 / count_of(files);
+      shape.smooth = c.boolean("smooth");
+      shapes.shapes.push_back(std::move(shape));
+    } catch (Error& e) {
+      throw e.parameter("path");
+    }
+  }
+  return shapes;
+}
+
+void compute_surfaces(Context& c) {
+  if (c.boolean("repair") || c.keyword("max_triangles").empty())
+    throw Error("bad-value", "a surface is not repaired or simplified",
+                "leave repair and max_triangles out, or set surface: false")
+        .parameter("surface");
+  Shapes shapes = surfaces_from(c);
+  double triangles = 0;
+  for (const Shape& s : shapes.shapes) triangles += count_of(s.mesh.triangles);
+  c.metric("shapes", count_of(shapes.shapes));
+  c.metric("triangles", triangles);
+  c.metric("volume", 0);
+  c.output("shapes", std::move(shapes));
+}
+
 void compute(Context& c) {
+  if (c.boolean("surface")) return compute_surfaces(c);
   const auto& files = c.files("path");
   const double scale = c.number("scale");
   struct Body {
@@ -156,6 +194,7 @@ void compute(Context& c) {
     for (auto& v : bodies[i].mesh.vertices) v *= scale;
     Shape shape = measure_shape(bodies[i].name, std::move(bodies[i].mesh), 1 / n,
                                 c.work().part(0.5 + 0.5 * i / n, 0.5 + 0.5 * (i + 1) / n));
+    shape.smooth = c.boolean("smooth");
     triangles += shape.mesh.triangles.size();
     volume += shape.volume / n;
     shapes.shapes.push_back(std::move(shape));
@@ -193,6 +232,13 @@ NodeType load_mesh_node() {
       .parameter(Parameter::boolean("repair", false)
                      .doc_("Joins close vertices, drops degenerate and duplicate triangles, makes all "
                            "triangles face outward and fills holes. A warning lists the changes."))
+      .parameter(
+          Parameter::boolean("surface", false)
+              .doc_("Reads each file as one surface for Bake, which may be open, at its place and with "
+                    "the texture coordinates of .obj, .glb and .gltf files. It cannot be packed, since "
+                    "it has no volume."))
+      .parameter(Parameter::boolean("smooth", false)
+                     .doc_("Pictures and .glb files show the mesh with interpolated normals."))
       .parameter(
           Parameter::optional_integer("max_triangles", "all")
               .range(4, 1e8)

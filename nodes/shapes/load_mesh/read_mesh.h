@@ -12,6 +12,9 @@ namespace terrazzo::load_mesh {
 struct PolygonSoup {
   std::vector<Vec3> vertices;              // in the file's unit (glTF: mm), with all digits of the file
   std::vector<std::vector<int>> polygons;  // at least three indices each
+  // Of each polygon's corners in a texture whose upper left corner is (0, 0), as glTF and OBJ files have
+  // them; empty unless all corners of all polygons have finite ones.
+  std::vector<std::vector<Eigen::Vector2f>> uv;
 };
 
 // Reads OBJ, PLY, STL, OFF or glTF, selected by extension. Equal positions in an STL file become one vertex.

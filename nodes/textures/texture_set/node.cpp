@@ -11,7 +11,6 @@
 #include "nodes/data/detail.h"
 #include "nodes/data/volume.h"
 #include "nodes/detail/residual/residual_field.h"
-#include "nodes/detail/residual/skins.h"
 #include "nodes/textures/relief/lit_picture.h"
 #include "nodes/textures/texture_set/volume_maps.h"
 #include "runtime/context.h"
@@ -27,7 +26,7 @@ struct Defaults {
 Defaults defaults_of(FinishKind kind) {
   switch (kind) {
     case FinishKind::Polished:
-      return {0, 0.15, 0.4};
+      return {0, Roughness::kPolishedParticle, Roughness::kPolishedBinder};
     case FinishKind::Honed:
       return {0.01, 0.35, 0.55};
     case FinishKind::Weathered:
@@ -111,19 +110,6 @@ Wear wear_of(const Context& c, FinishKind kind, double relief, const Vec3& box) 
   return {relief, rounding};
 }
 
-// Without what the photograph's light adds, which is not part of the material.
-Detail unlit(Detail detail) {
-  if (!detail.tones.empty()) detail = residual::without_light(std::move(detail));  // of a surface
-  for (Detail::Phase& phase : detail.phases) {
-    phase.tilt.setZero();
-    for (Detail::Rim& rim : phase.rims) {
-      rim.right.clear();
-      rim.up.clear();
-    }
-  }
-  return detail;
-}
-
 TextureMaps maps_of_particles(Context& c, FinishKind kind) {
   const auto& particles = c.input<Particles>("particles");
   const auto& shapes = c.input<Shapes>("shapes");
@@ -134,7 +120,8 @@ TextureMaps maps_of_particles(Context& c, FinishKind kind) {
   std::optional<residual::ResidualField> field;
   double softness = 0;
   if (const Detail* detail = c.optional<Detail>("detail")) {
-    field.emplace(unlit(*detail), particles, layout.pixel_size, residual::Keep::Power, c.work().part(0, 0.1));
+    field.emplace(textures::unlit(*detail), particles, layout.pixel_size, residual::Keep::Power,
+                  c.work().part(0, 0.1));
     softness = detail->softness * detail->pixel_size;
   }
   const FinishedSurface surface(particles, shapes, layout, {kind, wear.relief, grain, c.seed()}, c.work());
@@ -170,20 +157,8 @@ TextureMaps maps_of_volume(Context& c, FinishKind kind) {
   return maps;
 }
 
-void require_one_solid(const Context& c) {
-  const bool particles = c.has("particles"), shapes = c.has("shapes");
-  if (c.has("volume") && (particles || shapes))
-    throw Error("two-sources", "both particles and a volume are connected", "connect only one of them");
-  if (c.has("volume") || (particles && shapes)) return;
-  throw Error("missing-input",
-              particles ? "particles are connected without their shapes"
-              : shapes  ? "shapes are connected without particles"
-                        : "nothing is connected",
-              "connect particles and shapes, or a volume");
-}
-
 void compute(Context& c) {
-  require_one_solid(c);
+  textures::require_one_solid(c);
   const auto kind = c.choice<FinishKind>("finish");
   TextureMaps maps = c.has("volume") ? maps_of_volume(c, kind) : maps_of_particles(c, kind);
   for (Vec3f& color : maps.base_color.pixels) color = color.cwiseMax(0.0f).cwiseMin(1.0f);

@@ -52,8 +52,7 @@ class Painter {
   float roughness(const Point& p) const {
     if (!p.worn) return p.particle < 0 ? Roughness::kNaturalBinder : Roughness::kNaturalParticle;
     if (p.particle < 0) return roughness_.binder;
-    const int cls = std::clamp(particles_.cls[p.particle], 0, count_of(roughness_.particles) - 1);
-    return roughness_.particles[cls];
+    return static_cast<float>(roughness_.of_class(particles_.cls[p.particle]));
   }
 
   void take_centers(const Work& work) {
@@ -153,11 +152,6 @@ class Painter {
 };
 
 }  // namespace
-
-Vec3f id_color(std::int32_t particle) {
-  const std::uint32_t bits = (static_cast<std::uint32_t>(particle) + 1) * 0x9e3779b1u;
-  return Vec3f(bits & 0xff, bits >> 8 & 0xff, bits >> 16 & 0xff) / 255;
-}
 
 TextureMaps paint_maps(const FinishedSurface& surface, const Particles& particles,
                        const section::SectionLayout& layout, const Roughness& roughness,

@@ -1,0 +1,497 @@
+// The maps of Bake against the solid, against TextureSet, and along seams.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+
+#include "nodes/bodies/carving/particle_index.h"
+#include "nodes/common/geometry/mesh/geodesic_sphere.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/data/detail.h"
+#include "nodes/data/volume.h"
+#include "nodes/textures/bake/bake_maps.h"
+#include "nodes/textures/bake/box_atlas.h"
+#include "runtime/compute_node.h"
+#include "runtime/random.h"
+#include "tests/support/all_nodes.h"
+#include "tests/support/code_of.h"
+#include "tests/support/meshes.h"
+#include "tests/support/readers.h"
+#include "tests/support/run_node.h"
+
+namespace terrazzo {
+namespace {
+
+using Settings = std::map<std::string, std::string>;
+
+struct BakedSolid {
+  Particles particles;
+  Shapes shapes;
+};
+
+// Balls on a lattice with random shifts, which do not overlap.
+BakedSolid balls_on_a_lattice() {
+  BakedSolid s;
+  s.shapes.shapes = {measure_shape("ball", geodesic_sphere(3))};
+  s.particles.box = Vec3(12, 9, 6);
+  s.particles.resize(24);
+  for (int i = 0; i < 24; ++i) {
+    Random random(7, 1, static_cast<std::uint64_t>(i));
+    s.particles.position[i] = 3.0 * Vec3(i % 4, i / 4 % 3, i / 12) + 1.3 * Vec3::Ones();
+    for (int k = 0; k < 3; ++k) s.particles.position[i][k] += random.uniform(-0.25, 0.25);
+    s.particles.cls[i] = i % 3;
+    s.particles.scale[i] = random.uniform(0.9, 1.2);
+    s.particles.size[i] = 2 * s.particles.scale[i];
+    s.particles.color[i] =
+        Vec3f(random.uniform(0.1, 0.9), random.uniform(0.1, 0.9), random.uniform(0.1, 0.9));
+  }
+  s.particles.binder_color = Vec3f(0.3f, 0.25f, 0.2f);
+  return s;
+}
+
+Detail grain() {
+  Detail d;
+  d.pixel_size = 0.1;
+  d.size = 16;
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    Detail::Phase phase;
+    for (std::uint64_t i = 0; i < 16 * 16 * 16; ++i)
+      phase.tile.push_back(Vec3f::Constant(static_cast<float>(0.05 * Random(1, k, i).normal())));
+    d.phases.push_back(std::move(phase));
+  }
+  return d;
+}
+
+// A rectangle at height z with its picture's upper left corner at (x0, y1), over part of the texture.
+Shape rectangle(const Vec2& low, const Vec2& high, double z, float u0 = 0, float v0 = 0, float u1 = 1,
+                float v1 = 1) {
+  Shape s;
+  s.name = "plane";
+  s.mesh.vertices = {
+      {low.x(), low.y(), z}, {high.x(), low.y(), z}, {high.x(), high.y(), z}, {low.x(), high.y(), z}};
+  s.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Eigen::Vector2f a(u0, v1), b(u1, v1), c(u1, v0), d(u0, v0);
+  s.uv = {{a, b, c}, {a, c, d}};
+  return s;
+}
+
+Shapes only(Shape shape) {
+  Shapes s;
+  s.shapes.push_back(std::move(shape));
+  return s;
+}
+
+std::multimap<std::string, Value> inputs_of(const Shape& mesh, const BakedSolid& s,
+                                            const Detail* detail = nullptr) {
+  std::multimap<std::string, Value> inputs = {{"mesh", Value::of(only(mesh))},
+                                              {"particles", Value::of(s.particles)},
+                                              {"shapes", Value::of(s.shapes)}};
+  if (detail) inputs.emplace("detail", Value::of(*detail));
+  return inputs;
+}
+
+test::NodeRun bake_of(const Shape& mesh, const BakedSolid& s, const Settings& parameters,
+                      const Detail* detail = nullptr, int threads = 0) {
+  return test::run_node("Bake", inputs_of(mesh, s, detail), parameters, {}, threads);
+}
+
+TEST(Bake, APlaneHasTheMapsOfTextureSet) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Detail detail = grain();
+  const auto baked = bake_of(rectangle({0, -3}, {12, 9}, 1.4), s, {{"resolution", "240"}}, &detail);
+  const auto set = test::run_node(
+      "TextureSet",
+      {{"particles", Value::of(s.particles)}, {"shapes", Value::of(s.shapes)}, {"detail", Value::of(detail)}},
+      {{"resolution", "240"}, {"position", "1.4"}});
+  for (const char* name : {"base_color", "normal", "height", "roughness", "occlusion", "id"}) {
+    const Image &a = baked.output<Image>(name), &b = set.output<Image>(name);
+    ASSERT_EQ(a.width, b.width);
+    int different = 0;
+    // The edge of the mesh has no neighbor that would tell an outline.
+    for (int y = 1; y < b.height - 1; ++y)
+      for (int x = 1; x < b.width - 1; ++x)
+        different += (a.at(x, y) - b.at(x, y)).cwiseAbs().maxCoeff() > 1e-4f;
+    EXPECT_LE(different, 5) << name;  // of 42,000: points of averages on an edge, by rounding
+  }
+}
+
+// Calls visit(triangle, x, y, place) for the texels whose center is well inside a triangle, by its own
+// arithmetic.
+template <class Visit>
+void each_inner_texel(const Shape& s, int size, const Visit& visit) {
+  for (std::size_t t = 0; t < s.uv.size(); ++t) {
+    const auto corner = [&](int k) { return Eigen::Vector2d(s.uv[t][k].cast<double>() * size); };
+    const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+      return a.x() * b.y() - a.y() * b.x();
+    };
+    const Eigen::Vector2d low = corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)),
+                          high = corner(0).cwiseMax(corner(1)).cwiseMax(corner(2));
+    const double area = cross(corner(1) - corner(0), corner(2) - corner(0));
+    for (int y = round_down(low.y()); y <= high.y(); ++y)
+      for (int x = round_down(low.x()); x <= high.x(); ++x) {
+        const Eigen::Vector2d p(x + 0.5, y + 0.5);
+        Vec3 place = Vec3::Zero();
+        double least = 1;
+        for (int k = 0; k < 3; ++k) {
+          const double w = cross(corner((k + 1) % 3) - p, corner((k + 2) % 3) - p) / area;
+          place += w * s.mesh.vertices[s.mesh.triangles[t][k]];
+          least = std::min(least, w);
+        }
+        if (least > 0.01) visit(t, x, y, place);
+      }
+  }
+}
+
+TEST(Bake, TexelsAreTheSolidAtTheirPlaces) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Detail detail = grain();
+  Shape ball;
+  ball.name = "ball";
+  ball.mesh = geodesic_sphere(3);
+  for (Vec3& v : ball.mesh.vertices) v = 5 * v + Vec3(1, 2, 3);
+  const auto run = bake_of(ball, s, {{"resolution", "300"}, {"scale", "2"}, {"padding", "4"}}, &detail);
+  ASSERT_EQ(run.warnings.size(), 1u);
+  EXPECT_NE(run.warnings[0].find("no texture coordinates"), std::string::npos);
+  EXPECT_EQ(run.metrics.at("overlapping"), 0);
+  EXPECT_NEAR(run.metrics.at("mesh_size"), 20, 0.1);
+  const Image &color = run.output<Image>("base_color"), &id = run.output<Image>("id");
+  const Shape& mesh = run.output<Shapes>("mesh").shapes.at(0);
+  EXPECT_EQ(mesh.mesh.triangles, ball.mesh.triangles);
+  const carving::ParticleIndex index(s.particles, s.shapes);
+  const residual::ResidualField field(detail, s.particles, color.pixel_size, residual::Keep::Power);
+  int compared = 0, edges = 0;
+  float worst = 0;
+  each_inner_texel(mesh, 300, [&](std::size_t, int x, int y, const Vec3& place) {
+    const Vec3 mm = 2 * place;
+    const auto particle_at = [&](const Vec3& p) { return index.at(p.cast<float>()); };
+    const int particle = particle_at(mm);
+    for (const Vec3& d : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})  // no outline within two texels
+      for (const double step : {-0.3, 0.3})
+        if (particle_at(mm + step * d) != particle) {
+          ++edges;
+          return;
+        }
+    EXPECT_EQ(id.at(x, y), textures::id_color(particle)) << x << ", " << y;
+    const Vec3f flat = linear_to_srgb(particle < 0 ? s.particles.binder_color : s.particles.color[particle]);
+    const Vec3f expected = (flat + field.at(mm.cast<float>(), particle)).cwiseMax(0.0f).cwiseMin(1.0f);
+    worst = std::max(worst, (linear_to_srgb(color.at(x, y)) - expected).cwiseAbs().maxCoeff());
+    ++compared;
+  });
+  EXPECT_GT(compared, 5000);
+  EXPECT_GT(edges, 1000);
+  EXPECT_LE(worst, 1.0f / 255);
+}
+
+Volume waves(bool periodic, bool density) {
+  initialize_openvdb();
+  Volume v;
+  v.resolution = periodic ? Vec3i(16, 16, 16) : Vec3i::Zero();
+  auto color = openvdb::Vec3SGrid::create(openvdb::Vec3s(0));
+  auto cover = openvdb::FloatGrid::create(0);
+  const auto wave = [](int i) {
+    return 0.5f + 0.4f * static_cast<float>(std::sin(std::numbers::pi * (i + 0.5) / 8));
+  };
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 16; ++y)
+      for (int z = 0; z < 16; ++z) {
+        color->tree().setValue({x, y, z}, openvdb::Vec3s(wave(x), wave(y), wave(z)));
+        cover->tree().setValue({x, y, z}, x < 8 ? 1.0f : 0.0f);
+      }
+  color->setName("Cd");
+  cover->setName("density");
+  color->setTransform(voxel_transform(1));
+  cover->setTransform(voxel_transform(1));
+  v.grids = {color};
+  if (density) v.grids.push_back(cover);
+  return v;
+}
+
+Vec3f bilinear(const Image& image, const Eigen::Vector2d& texel) {
+  const Eigen::Vector2d p = texel - Eigen::Vector2d(0.5, 0.5);
+  const int x = round_down(p.x()), y = round_down(p.y());
+  const float s = static_cast<float>(p.x() - x), t = static_cast<float>(p.y() - y);
+  return (1 - t) * ((1 - s) * image.at(x, y) + s * image.at(x + 1, y)) +
+         t * ((1 - s) * image.at(x, y + 1) + s * image.at(x + 1, y + 1));
+}
+
+// At each edge of the mesh, the two triangles show the same colors, also where their charts are far apart.
+TEST(Bake, NoSeamShows) {
+  Shape ball;
+  ball.mesh = geodesic_sphere(4);
+  for (Vec3& v : ball.mesh.vertices) v *= 8;
+  const auto run =
+      test::run_node("Bake", {{"mesh", Value::of(only(ball))}, {"volume", Value::of(waves(true, true))}},
+                     {{"resolution", "512"}, {"padding", "2"}});
+  const Image& color = run.output<Image>("base_color");
+  const Shape& s = run.output<Shapes>("mesh").shapes.at(0);
+  std::map<std::pair<int, int>, std::pair<std::size_t, int>> other;
+  int seams = 0;
+  double worst = 0;
+  for (std::size_t t = 0; t < s.uv.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = s.mesh.triangles[t][k], b = s.mesh.triangles[t][(k + 1) % 3];
+      const auto [found, first] = other.try_emplace(std::minmax(a, b), t, k);
+      if (first) continue;
+      const CornerUv& back = s.uv[found->second.first];
+      const int j = found->second.second;
+      seams += (back[(j + 1) % 3] - s.uv[t][k]).norm() > 0.01f;
+      for (double w = 0; w <= 1; w += 0.125) {
+        const auto along = [&](const Eigen::Vector2f& from, const Eigen::Vector2f& to) {
+          return Eigen::Vector2d(512 * ((1 - w) * from.cast<double>() + w * to.cast<double>()));
+        };
+        const Vec3f here = bilinear(color, along(s.uv[t][k], s.uv[t][(k + 1) % 3]));
+        const Vec3f there = bilinear(color, along(back[(j + 1) % 3], back[j]));
+        worst = std::max(worst, double{(here - there).cwiseAbs().maxCoeff()});
+      }
+    }
+  EXPECT_GT(seams, 100);
+  EXPECT_LT(worst, 0.01);  // the field changes by up to 0.015 per texel
+}
+
+TEST(Bake, PaddingContinuesTheSolid) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Shape part = rectangle({3, 2}, {9, 8}, 1.4, 0.25f, 0.25f, 0.75f, 0.75f);  // texels of 0.1 mm
+  const Shape whole = rectangle({0, -1}, {12, 11}, 1.4);
+  const Image all = bake_of(whole, s, {{"resolution", "120"}}).output<Image>("id");
+  for (const int padding : {0, 5}) {
+    const auto run =
+        bake_of(part, s, {{"resolution", "120"}, {"padding", std::to_string(padding)}, {"uv", "mesh"}});
+    const Image &id = run.output<Image>("id"), &color = run.output<Image>("base_color");
+    EXPECT_NEAR(run.metrics.at("covered"), 0.25, 1e-9);
+    for (int y = 0; y < 120; ++y)
+      for (int x = 0; x < 120; ++x) {
+        const int beyond = std::max({30 - x, x - 89, 30 - y, y - 89});
+        if (beyond <= padding)
+          ASSERT_EQ(id.at(x, y), all.at(x, y)) << x << ", " << y;
+        else
+          ASSERT_EQ(color.at(x, y), s.particles.binder_color) << x << ", " << y;
+      }
+  }
+}
+
+TEST(Bake, TrianglesWithACommonEdgeShareNoTexel) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Random random(seed, 2, 0);
+    // A fan around a random point, with corners on texel centers and lines.
+    Mesh mesh;
+    std::vector<CornerUv> uv;
+    std::vector<Eigen::Vector2f> at = {Eigen::Vector2f(20 + round_nearest(random.uniform(0, 48)) / 2.0f,
+                                                       20 + round_nearest(random.uniform(0, 48)) / 2.0f)};
+    for (const auto& [x, y] :
+         {std::pair(2, 2), {40, 3}, {62, 2}, {61, 35}, {62, 62}, {30, 60}, {2, 62}, {3, 30}})
+      at.emplace_back(x, y);
+    for (const auto& p : at) mesh.vertices.emplace_back(p.x(), -p.y(), 0);
+    for (int k = 1; k <= 8; ++k) {
+      mesh.triangles.push_back({0, k % 8 + 1, k});
+      uv.push_back({at[0] / 64, at[k % 8 + 1] / 64, at[k] / 64});
+    }
+    const auto texels = bake::find_texels(mesh, uv, 64, 0);
+    EXPECT_EQ(texels.overlapping, 0u);
+    for (int y = 4; y < 60; ++y)
+      for (int x = 4; x < 60; ++x) EXPECT_GE(texels.triangle[pixel_at(x, y, 64)], 0) << x << ", " << y;
+  }
+}
+
+// A slope of 0.2 along x in space, on a stretched, sheared and mirrored texture.
+TEST(Bake, NormalsKnowTheTexturesAxes) {
+  for (const bool mirrored : {false, true}) {
+    Shape s = rectangle({0, 0}, {8, 4}, 0);
+    for (CornerUv& t : s.uv)
+      for (Eigen::Vector2f& uv : t) {
+        uv = Eigen::Vector2f(0.2f + 0.5f * uv.x() + 0.2f * uv.y(), 0.1f + 0.8f * uv.y());
+        if (mirrored) uv.x() = 1 - uv.x();
+      }
+    const auto texels = bake::find_texels(s.mesh, s.uv, 64, 2);
+    const bake::TexelPlaces places(s.mesh, s.uv, 64, 1);
+    textures::HeightField h{64, 64, 1, 1, std::vector<float>(64 * 64, 0.0f)};
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x)
+        if (const int t = texels.triangle[pixel_at(x, y, 64)]; t >= 0)
+          h.mm[pixel_at(x, y, 64)] = static_cast<float>(0.2 * places.at(t, x, y, 0.5, 0.5).x());
+    const Image normal = bake::normals_on_mesh(texels, places, h);
+    const auto axes = places.axes(0);
+    const Vec3 tangent = axes.right.normalized(), up = (mirrored ? -1 : 1) * axes.normal.cross(tangent);
+    EXPECT_LT(up.dot(axes.down), 0);  // upwards in the picture
+    const Vec3 expected = Vec3(-0.2, 0, 1).normalized();
+    each_inner_texel(s, 64, [&](std::size_t, int x, int y, const Vec3&) {
+      const Vec3 n = (2 * normal.at(x, y) - Vec3f::Ones()).cast<double>();
+      ASSERT_LT((n.x() * tangent + n.y() * up + n.z() * axes.normal - expected).norm(), 1e-4)
+          << x << ", " << y;
+    });
+  }
+}
+
+TEST(Bake, ReliefFollowsOutlines) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Settings settings = {{"resolution", "240"}, {"relief", "0.3"}, {"roughness", "[0.1, 0.2, 0.3]"}};
+  const auto run = bake_of(rectangle({0, -3}, {12, 9}, 1.4), s, settings);
+  const Image &height = run.output<Image>("height"), &id = run.output<Image>("id");
+  double top = -1, binder = 1;
+  for (std::size_t i = 0; i < id.pixels.size(); ++i) {
+    const double h = double{height.pixels[i].x()};
+    EXPECT_GE(h, -0.3001);
+    EXPECT_LE(h, 0.0001);
+    (id.pixels[i] == Vec3f::Zero() ? binder : top) =
+        id.pixels[i] == Vec3f::Zero() ? std::min(binder, h) : std::max(top, h);
+  }
+  EXPECT_FLOAT_EQ(static_cast<float>(top), 0);
+  EXPECT_FLOAT_EQ(static_cast<float>(binder), -0.3f);
+}
+
+TEST(Bake, ThreadsDoNotChangeTheMaps) {
+  const Detail detail = grain();
+  Shape ball;
+  ball.mesh = geodesic_sphere(3);
+  const Settings settings = {{"resolution", "128"}, {"relief", "0.1"}, {"scale", "3"}};
+  const auto one = bake_of(ball, balls_on_a_lattice(), settings, &detail, 1),
+             four = bake_of(ball, balls_on_a_lattice(), settings, &detail, 4);
+  for (const auto& [name, value] : one.outputs)
+    if (name != "mesh") {
+      EXPECT_EQ(value.as<Image>().pixels, four.output<Image>(name).pixels) << name;
+    }
+}
+
+TEST(Bake, WarnsOfDoubtfulMeshes) {
+  const BakedSolid s = balls_on_a_lattice();
+  const auto warnings = [&](const Shape& mesh, Settings settings = {}) {
+    settings.emplace("resolution", "64");
+    std::string all;
+    for (const std::string& w : bake_of(mesh, s, settings).warnings) all += w + "\n";
+    return all;
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(warnings(rectangle({0, 0}, {6, 6}, 1)), "");
+
+  Shape twice = rectangle({0, 0}, {6, 6}, 1);
+  const Shape upper = rectangle({0, 0}, {6, 6}, 3, 0, 0, 0.5f, 1);
+  for (const Vec3& v : upper.mesh.vertices) twice.mesh.vertices.push_back(v);
+  for (const Triangle& t : upper.mesh.triangles)
+    twice.mesh.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
+  twice.uv.insert(twice.uv.end(), upper.uv.begin(), upper.uv.end());
+  EXPECT_TRUE(has(warnings(twice), "50 % of the texels belong to several triangles"));
+  EXPECT_EQ(warnings(twice, {{"uv", "atlas"}}), "");
+
+  EXPECT_TRUE(has(warnings(rectangle({0, 0}, {6, 6}, 1, 1, 0, 2, 1)), "2 of 2 triangles leave the texture"));
+  Shape flat = rectangle({0, 0}, {6, 6}, 1);
+  flat.mesh.triangles.push_back({0, 1, 1});
+  flat.uv.push_back(flat.uv[0]);
+  EXPECT_TRUE(has(warnings(flat), "1 of 3 triangles have no area and are skipped"));
+  EXPECT_TRUE(has(warnings(rectangle({0, 0}, {900, 900}, 1)), "150 periods of the solid (6 mm)"));
+  EXPECT_TRUE(has(warnings(rectangle({0, 0}, {0.2, 0.2}, 1)), "1000 for meters"));
+  EXPECT_EQ(warnings(rectangle({0, 0}, {0.02, 0.02}, 1), {{"scale", "300"}}), "");
+}
+
+// Coordinates from 1 to 2 are those from 0 to 1, and a quad may lie across the texture's edge.
+TEST(Bake, CoordinatesOutsideAreWrapped) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Settings settings = {{"resolution", "120"}, {"padding", "0"}};
+  const Image in = bake_of(rectangle({0, 0}, {12, 12}, 1.4), s, settings).output<Image>("id");
+  const Image out = bake_of(rectangle({0, 0}, {12, 12}, 1.4, 3, -2, 4, -1), s, settings).output<Image>("id");
+  const Image across =
+      bake_of(rectangle({0, 0}, {12, 12}, 1.4, 0.5f, 0, 1.5f, 1), s, settings).output<Image>("id");
+  EXPECT_EQ(in.pixels, out.pixels);
+  for (int y = 0; y < 120; ++y)
+    for (int x = 0; x < 120; ++x) ASSERT_EQ(across.at((x + 60) % 120, y), in.at(x, y));
+}
+
+TEST(Bake, RefusesWhatItCannotShow) {
+  const BakedSolid s = balls_on_a_lattice();
+  const Shape plane = rectangle({0, 0}, {6, 6}, 1);
+  const auto code = [](const std::multimap<std::string, Value>& inputs, Settings settings = {}) {
+    settings.emplace("resolution", "64");
+    return test::code_of([&] { test::run_node("Bake", inputs, settings); });
+  };
+  const Value mesh = Value::of(only(plane));
+  EXPECT_EQ(code({{"mesh", mesh}}), "missing-input");
+  EXPECT_EQ(code({{"mesh", mesh}, {"volume", Value::of(waves(false, true))}}), "not-periodic");
+  EXPECT_EQ(code({{"mesh", mesh}, {"volume", Value::of(waves(true, false))}}, {{"relief", "1"}}),
+            "no-such-grid");
+  EXPECT_EQ(code({{"mesh", mesh}, {"volume", Value::of(waves(true, true))}, {"shapes", Value::of(s.shapes)}}),
+            "two-sources");
+  Shape bare = plane;
+  bare.uv.clear();
+  EXPECT_EQ(code(inputs_of(bare, s), {{"uv", "mesh"}}), "no-uv");
+  Shapes two = only(plane);
+  two.shapes.push_back(plane);
+  EXPECT_EQ(
+      code(
+          {{"mesh", Value::of(two)}, {"particles", Value::of(s.particles)}, {"shapes", Value::of(s.shapes)}}),
+      "one-shape-only");
+  EXPECT_EQ(code(inputs_of(rectangle({0, 0}, {6, 6}, 1, 0, 0, 70, 1), s)), "bad-uv");
+  EXPECT_EQ(code(inputs_of(rectangle({0, 0}, {6, 6}, 1, -60, -60, 60, 60), s)), "bad-uv");
+  EXPECT_EQ(code(inputs_of(rectangle({0, 0}, {6, 6}, 1, 0, 0, 0.001f, 0.001f), s)), "bad-mesh");
+  EXPECT_EQ(code(inputs_of(plane, s), {{"relief", "4"}}), "bad-value");
+  Shape crumbs;
+  for (int i = 0; i < 1200; ++i) {
+    for (const Vec3& v : plane.mesh.vertices) crumbs.mesh.vertices.emplace_back(v + Vec3(0, 0, i));
+    crumbs.mesh.triangles.push_back({4 * i, 4 * i + 1, 4 * i + 2});
+  }
+  EXPECT_EQ(code(inputs_of(crumbs, s)), "too-many-charts");
+
+  ComputeRequest request;
+  request.type = test::all_nodes().find("Bake");
+  for (auto& [port, value] : inputs_of(plane, s)) request.inputs[port] = {value};
+  request.parameters = effective_parameters(*request.type, {{"resolution", std::int64_t{16384}}});
+  request.memory = std::uint64_t{8} << 30;
+  EXPECT_EQ(test::code_of([&] { compute_node(std::move(request)); }), "too-large");
+}
+
+// Through the files that an artist has: .obj in, .glb out, and back.
+TEST(Bake, MeshesKeepTheirCoordinatesInFiles) {
+  const auto folder = test::temporary_folder();
+  std::ofstream(folder / "quad.obj") << "v 0 0 1\nv 6 0 1\nv 6 6 1\nv 0 6 1\n"
+                                        "vt 0.25 0\nvt 1 0\nvt 1 0.5\nvt 0.25 0.5\nf 1/1 2/2 3/3 -1/-1\n";
+  const auto load = [&](const char* file, const char* scale) {
+    return test::run_node("LoadMesh", {},
+                          {{"path", (folder / file).string()}, {"surface", "true"}, {"scale", scale}})
+        .output<Shapes>("shapes")
+        .shapes.at(0);
+  };
+  const Shape quad = load("quad.obj", "1");
+  ASSERT_EQ(quad.uv.size(), 2u);
+  EXPECT_EQ(quad.surface_area, 36);
+  for (std::size_t t = 0; t < 2; ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& v = quad.mesh.vertices[quad.mesh.triangles[t][k]];
+      EXPECT_FLOAT_EQ(quad.uv[t][k].x(), static_cast<float>(0.25 + v.x() / 8));
+      EXPECT_FLOAT_EQ(quad.uv[t][k].y(), static_cast<float>(1 - v.y() / 12));  // downwards
+    }
+  const BakedSolid s = balls_on_a_lattice();
+  const auto maps = bake_of(quad, s, {{"resolution", "64"}});
+  EXPECT_TRUE(maps.warnings.empty());
+  std::multimap<std::string, Value> inputs;
+  for (const auto& [name, value] : maps.outputs) inputs.emplace(name == "mesh" ? "shapes" : name, value);
+  test::run_node("Export", inputs, {{"path", "quad.glb"}}, folder);
+  const Shape again = load("quad.glb", "1");
+  ASSERT_EQ(again.uv.size(), 2u);
+  for (std::size_t t = 0; t < 2; ++t)
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_LT((again.uv[t][k] - quad.uv[t][k]).norm(), 1e-6f);
+      EXPECT_LT(
+          (again.mesh.vertices[again.mesh.triangles[t][k]] - quad.mesh.vertices[quad.mesh.triangles[t][k]])
+              .norm(),
+          1e-5);
+    }
+  Shape bare = quad;
+  bare.uv.clear();
+  inputs.erase("shapes");
+  inputs.emplace("shapes", Value::of(only(bare)));
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("Export", inputs, {{"path", "bare.glb"}}, folder);
+            }),
+            "no-uv");
+
+  const auto check = test::npm_check("gltf_check");
+  if (check.empty()) return;  // node and npm are not installed, or cannot install gltf-validator and three
+  const auto report = test::run_npm_check(check, folder / "quad.glb");
+  ASSERT_TRUE(report.is_object());
+  EXPECT_EQ(report["errors"], 0) << report["messages"].dump(1);
+  EXPECT_EQ(report["warnings"], 0) << report["messages"].dump(1);
+}
+
+}  // namespace
+}  // namespace terrazzo
