@@ -70,7 +70,7 @@ Profile region_profile(const Sums& s, const SectionLayout& layout) {
 
 }  // namespace
 
-void PixelRegions::measure(Section& out, const Work& work) const {
+void PixelRegions::measure(Section& out, bool classes, const Work& work) const {
   const int w = layout_.pixels_x, h = layout_.pixels_y, sections = layout_.planes.size();
   const std::size_t count = pixels_in(w, h);
   out.labels.width = w;
@@ -119,8 +119,11 @@ void PixelRegions::measure(Section& out, const Work& work) const {
     for (const Sums& s : regions) {
       Profile p = region_profile(s, layout_);
       p.section = section;
-      out.labels.classes.push_back(0);
-      out.table.rows.push_back({double(section), double(s.id), 0.0, p.area, p.weight});
+      p.cls = classes ? s.id : 0;
+      profiles.classes = std::max(profiles.classes, p.cls + 1);
+      out.labels.classes.push_back(p.cls);
+      out.table.rows.push_back(
+          {double(section), classes ? -1.0 : double(s.id), double(p.cls), p.area, p.weight});
       profiles.profiles.push_back(std::move(p));
     }
   }

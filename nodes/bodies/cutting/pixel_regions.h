@@ -17,8 +17,9 @@ class PixelRegions {
     return values_[image_.index(x, row, section)];
   }  // −1: binder
 
-  // Fills labels, profiles and table. Regions are 4-connected, also across the edges of a tile.
-  void measure(Section& out, const Work& = {}) const;
+  // Fills labels, profiles and table. Regions are 4-connected, also across the edges of a tile. `classes`:
+  // values are classes, else particles.
+  void measure(Section& out, bool classes, const Work& = {}) const;
 
  private:
   const SectionLayout& layout_;

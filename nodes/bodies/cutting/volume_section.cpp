@@ -85,6 +85,12 @@ class Sampler {
 Vec3f vector_of(const openvdb::Vec3s& v) { return {v[0], v[1], v[2]}; }
 Vec3f vector_of(float v) { return {v, v, v}; }
 
+std::int32_t highest(const openvdb::Int32Grid& grid) {
+  std::int32_t out = grid.background();
+  for (auto it = grid.cbeginValueOn(); it; ++it) out = std::max(out, *it);
+  return out;
+}
+
 // Calls sample(sampler, point, x, row, section) at every pixel center.
 template <class Grid, class Sample>
 void sweep(const Grid& grid, const Volume& volume, const SectionLayout& layout, const Vec3& corner,
@@ -128,13 +134,17 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   const auto color = volume.find<openvdb::Vec3SGrid>("Cd");
   const auto density = volume.find<openvdb::FloatGrid>("density");
   const auto id = volume.find<openvdb::Int32Grid>("id");
-  if (!color && !density)
-    throw Error("no-color", "the volume has neither a grid Cd (vectors) nor a grid density (floats)",
-                "rename one of its grids to Cd or density");
+  const auto phase = id ? nullptr : volume.find<openvdb::Int32Grid>("phase");
+  if (!color && !density && !phase)
+    throw Error(
+        "no-color",
+        "the volume has neither a grid Cd (vectors) nor a grid density (floats) nor a grid phase (whole "
+        "numbers)",
+        "rename one of its grids to Cd, density or phase");
 
   VolumeSection out;
-  out.color_grid = color ? "Cd" : "density";
-  out.label_grid = id ? "id" : density ? "density" : "";
+  out.color_grid = color ? "Cd" : density ? "density" : "phase";
+  out.label_grid = id ? "id" : phase ? "phase" : density ? "density" : "";
   const int sections = layout.planes.size();
   out.image = Image(layout.pixels_x, layout.pixels_y, sections, layout.pixel_size);
   auto shade = [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
@@ -142,22 +152,29 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   };
   if (color)
     sweep(*color, volume, layout, box.corner, work.part(0, 0.5), shade);
-  else
+  else if (density)
     sweep(*density, volume, layout, box.corner, work.part(0, 0.5), shade);
+  else
+    sweep(*phase, volume, layout, box.corner, work.part(0, 0.5),
+          [&, most = std::max(1, highest(*phase))](const auto& sampler, const Vec3& p, int x, int row,
+                                                   int section) {
+            out.image.at(x, row, section) =
+                vector_of(static_cast<float>(std::max(0, sampler.majority(p))) / static_cast<float>(most));
+          });
 
   // −1: binder. Without ids all particles have the same value and are separated only by connectivity.
   PixelRegions pixels(layout, out.image);
-  if (id)
-    sweep(*id, volume, layout, box.corner, work.part(0.5, 0.9),
+  if (id || phase)
+    sweep(id ? *id : *phase, volume, layout, box.corner, work.part(0.5, 0.9),
           [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
-            pixels.value(x, row, section) = std::max(-1, sampler.majority(p));
+            pixels.value(x, row, section) = std::max(-1, sampler.majority(p) - (phase ? 1 : 0));
           });
   else if (density)
     sweep(*density, volume, layout, box.corner, work.part(0.5, 0.9),
           [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
             pixels.value(x, row, section) = sampler.trilinear(p) >= 0.5f ? 0 : -1;
           });
-  pixels.measure(out, work);
+  pixels.measure(out, phase != nullptr, work);
   return out;
 }
 

@@ -149,7 +149,7 @@ namespace terrazzo {
 
 NodeType section_node() {
   using namespace section;
-  return NodeType("Section", 6)
+  return NodeType("Section", 7)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")
@@ -158,8 +158,9 @@ NodeType section_node() {
           "1970.")
       .optional_input("particles", {"Particles"}, "Packing in a periodic box. Requires shapes")
       .optional_input("shapes", {"Shapes"}, "Shapes of the particles")
-      .optional_input("volume", {"Volume"},
-                      "Volume to cut instead of particles. Uses grid Cd or density, and id for the labels")
+      .optional_input(
+          "volume", {"Volume"},
+          "Volume to cut instead of particles. Uses grid Cd or density, and id or phase for the labels")
       .optional_input("detail", {"Detail"},
                       "Fine detail from DetailSolid, added to the colors of particles and "
                       "binder. Not used for volumes, whose colors contain it")

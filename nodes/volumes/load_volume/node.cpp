@@ -99,9 +99,12 @@ struct Rescale {
 };
 
 // Slope and intercept from the parameters if set, else from the file.
+// Grids of whole numbers, which stand for particles or phases.
+bool is_of_labels(const std::string& grid) { return grid == "id" || grid == "phase"; }
+
 Rescale rescale_of(Context& c, const LoadedScan& scan) {
   const bool own_slope = c.keyword("slope").empty(), own_intercept = c.keyword("intercept").empty();
-  if (!scan.slope && !own_slope && !own_intercept)
+  if (!scan.slope && !own_slope && !own_intercept && !is_of_labels(c.text("grid")))
     c.warn("the file contains no rescale: stored numbers are used unchanged");
   return {own_slope ? c.number("slope") : scan.slope.value_or(1),
           own_intercept ? c.number("intercept") : scan.intercept.value_or(0)};
@@ -142,13 +145,13 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const std::string& pa
   scan.whole = {};
 }
 
-// The rescaled numbers as particle indices, in `whole`.
-void make_ids(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
+// The rescaled numbers as indices of particles or phases, in `whole`.
+void make_labels(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
   if (scan.is_lossy)
     throw Error(
         "lossy-mask",
-        fmt::format("'{}': the slices are compressed with losses (JPEG), which changes the indices of "
-                    "particles",
+        fmt::format("'{}': the slices are compressed with losses (JPEG), which changes the numbers of "
+                    "particles and phases",
                     path),
         "save them as PNG or TIFF in the program that made them")
         .parameter("path");
@@ -161,11 +164,12 @@ void make_ids(LoadedScan& scan, const Rescale& rescale, const std::string& path,
     if (i % (1u << 22) == 0) work.check();
     const double v = rescale.slope * scan.stored(i) + rescale.intercept;
     if (v != std::nearbyint(v) || !(std::abs(v) <= most))
-      throw Error("bad-labels",
-                  fmt::format("'{}' contains {} at voxel {}; the grid id holds whole numbers up to {}", path,
-                              v, place_of_voxel(scan, i),
-                              scan.whole.empty() ? "2^24 from files that store floats" : "2^31 − 1"),
-                  "set grid to another name, or slope and intercept so that values are whole")
+      throw Error(
+          "bad-labels",
+          fmt::format("'{}' contains {} at voxel {}; the grids id and phase hold whole numbers up to {}",
+                      path, v, place_of_voxel(scan, i),
+                      scan.whole.empty() ? "2^24 from files that store floats" : "2^31 − 1"),
+          "set grid to another name, or slope and intercept so that values are whole")
           .parameter("grid");
     to[i] = static_cast<std::int32_t>(v);
   }
@@ -212,8 +216,8 @@ void compute(Context& c) {
   const Rescale rescale = rescale_of(c, scan);
   Volume volume;
   volume.extent = scan.size;
-  if (name == "id") {
-    make_ids(scan, rescale, files[0].string(), c.work());
+  if (is_of_labels(name)) {
+    make_labels(scan, rescale, files[0].string(), c.work());
     report_range(c, scan.whole);
     add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1),
                 [&](std::size_t i) { return scan.whole[i]; });
@@ -233,7 +237,7 @@ namespace terrazzo {
 
 NodeType load_volume_node() {
   using namespace load_volume;
-  return NodeType("LoadVolume", 4)
+  return NodeType("LoadVolume", 5)
       .doc_(
           "Reads a volume: OpenVDB, VTK image data, DREAM3D, NIfTI, NRRD, MetaImage, MRC, a NumPy array, a "
           "DICOM series, or a stack of gray images, which may be in a zip archive.")
@@ -257,7 +261,8 @@ NodeType load_volume_node() {
           Parameter::text("grid", "")
               .doc_("OpenVDB, VTK and DREAM3D: name of the single grid to read; empty: all grids. Other "
                     "formats: name of the output grid; empty: density; id: whole numbers up to 2³¹ − 1, the "
-                    "index of the particle at each voxel, negative in the binder."))
+                    "index of the particle at each voxel, negative in the binder; phase: whole numbers, "
+                    "the phase at each voxel."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
                      .range(1e-9, 1e9)
                      .count(1, 3)

@@ -64,6 +64,24 @@ TEST(SectionOfVolume, ReadsVoxelsAtTheirCenters) {
   EXPECT_NEAR(s.profiles.area_fraction, 24.0 / (n * n), 1e-12);
 }
 
+// Phases 0, 1 and 2 in thirds of the period along x.
+TEST(SectionOfVolume, PhasesAreClasses) {
+  Volume v = block_volume({2, 2, 2}, false);
+  auto phase = openvdb::Int32Grid::create();
+  phase->setName("phase");
+  phase->setTransform(voxel_transform(voxel));
+  for (int i = 0; i < n * n * n; ++i)
+    phase->tree().setValue(openvdb::Coord(i % n, i / n % n, i / n / n), i % n * 3 / n);
+  v.grids.push_back(phase);
+  const VolumeSection s = cut(v, "z", 3.5 * voxel, voxel);
+  EXPECT_EQ(s.label_grid, "phase");
+  ASSERT_EQ(s.labels.classes, (std::vector<std::int32_t>{0, 1}));
+  for (int x = 0; x < n; ++x) EXPECT_EQ(s.labels.ids[x], x * 3 / n);
+  EXPECT_EQ(s.profiles.classes, 2);
+  EXPECT_EQ(s.profiles.profiles[1].cls, 1);
+  EXPECT_EQ(std::get<double>(s.table.rows[1][2]), 1);
+}
+
 TEST(SectionOfVolume, AxesAreSeenAsExemplarsOfSolidTexturesAre) {
   const Volume v = block_volume({2, 2, 2});
   for (int a = 0; a < 3; ++a) {
