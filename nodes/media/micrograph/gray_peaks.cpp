@@ -7,6 +7,7 @@
 namespace terrazzo::media {
 namespace {
 
+constexpr float kRounding = 0.0136f;  // two steps of 8 bits in each channel, which rounding and dither make
 constexpr int kBins = 256;
 constexpr double kFlat = 0.5;        // share of the pixels, those with the smallest gradients
 constexpr double kSmooth = 4;        // bins, of the histogram whose peaks count
@@ -126,8 +127,8 @@ std::vector<double> gray_levels(const cv::Mat1f& gray, const std::vector<std::ui
   std::vector<float> all;
   for (std::size_t i = 0; i < observed.size(); ++i)
     if (observed[i]) all.push_back(gray.ptr<float>()[i]);
-  if (*std::max_element(all.begin(), all.end()) - *std::min_element(all.begin(), all.end()) < 1e-6f)
-    return {};
+  const float range = *std::max_element(all.begin(), all.end()) - *std::min_element(all.begin(), all.end());
+  if (range < (phases > 0 ? 1e-6f : kRounding)) return {};
   if (phases > 0) return otsu(histogram_of(all), phases);
   const auto of_all = peaks_of(histogram_of(all)), of_inside = peaks_of(histogram_of(inside(gray, observed)));
   return of_inside.size() > of_all.size() ? of_inside : of_all;

@@ -97,7 +97,7 @@ namespace terrazzo {
 
 NodeType phases_node() {
   using namespace phases;
-  return NodeType("Phases", 1)
+  return NodeType("Phases", 2)
       .doc_("Finds the phases of a micrograph by their gray levels, in spite of noise and uneven light")
       .source_("Zhang, Brady and Smith 2001; Otsu 1979; Weszka and Rosenfeld 1979")
       .input("image", "Image", "Micrograph, in gray or color")

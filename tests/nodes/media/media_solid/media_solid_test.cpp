@@ -51,7 +51,7 @@ TEST(MediaSolid, PatternFrequenciesAreThoseOfThePicture) {
         for (int row = 0; row < 3; ++row)
           for (int column = 0; column < 3; ++column)
             pattern |= (map.at[map.index(x + column * spacing, y + (2 - row) * spacing)] == 1)
-                       << (3 * row + column);
+                       << (3 * column + row);
         direct[pattern] += 1.0 / (n * n);
       }
     const Frequencies other = pattern_frequencies(map, 0, spacing, false);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <functional>
 
+#include "nodes/common/texture/color.h"
+
 namespace terrazzo::media {
 namespace {
 
@@ -48,6 +50,11 @@ TEST(Recommend, DiscsAreParticlesAndBandsArePhases) {
       recommend(picture([](int x, int y) { return std::sin(0.3 * x + 3 * std::sin(0.15 * y)) > 0; }), {});
   EXPECT_TRUE(bands.phases);
   EXPECT_FALSE(recommend(picture([](int, int) { return true; }), {}).phases);
+  // Dither of one 8-bit step.
+  Image dithered(100, 100, 1, 0.1);
+  for (int i = 0; i < 10000; ++i)
+    dithered.pixels[i] = srgb_to_linear(Vec3f::Constant(static_cast<float>(120 + i % 2) / 255));
+  EXPECT_FALSE(recommend(dithered, {}).phases);
 }
 
 }  // namespace
