@@ -1,5 +1,7 @@
 #include "nodes/bodies/cutting/volume_section.h"
 
+#include <fmt/format.h>
+#include <openvdb/tools/Count.h>
 #include <openvdb/tools/Interpolation.h>
 
 #include <algorithm>
@@ -85,9 +87,15 @@ class Sampler {
 Vec3f vector_of(const openvdb::Vec3s& v) { return {v[0], v[1], v[2]}; }
 Vec3f vector_of(float v) { return {v, v, v}; }
 
-std::int32_t highest(const openvdb::Int32Grid& grid) {
-  std::int32_t out = grid.background();
-  for (auto it = grid.cbeginValueOn(); it; ++it) out = std::max(out, *it);
+constexpr std::int32_t kMostPhases = 255;
+
+// The highest phase in a volume. Throws Error "too-many-phases".
+std::int32_t highest_phase(const openvdb::Int32Grid& grid) {
+  const std::int32_t out = openvdb::tools::minMax(grid.tree()).max();
+  if (out > kMostPhases)
+    throw Error("too-many-phases",
+                fmt::format("the grid phase holds numbers up to {}, at most {} are phases", out, kMostPhases),
+                "number the phases from 0");
   return out;
 }
 
@@ -142,6 +150,7 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
         "numbers)",
         "rename one of its grids to Cd, density or phase");
 
+  const std::int32_t last_phase = phase ? highest_phase(*phase) : 0;
   VolumeSection out;
   out.color_grid = color ? "Cd" : density ? "density" : "phase";
   out.label_grid = id ? "id" : phase ? "phase" : density ? "density" : "";
@@ -155,19 +164,20 @@ VolumeSection cut_volume(const Volume& volume, const SectionLayout& layout, cons
   else if (density)
     sweep(*density, volume, layout, box.corner, work.part(0, 0.5), shade);
   else
-    sweep(*phase, volume, layout, box.corner, work.part(0, 0.5),
-          [&, most = std::max(1, highest(*phase))](const auto& sampler, const Vec3& p, int x, int row,
-                                                   int section) {
-            out.image.at(x, row, section) =
-                vector_of(static_cast<float>(std::max(0, sampler.majority(p))) / static_cast<float>(most));
-          });
+    sweep(
+        *phase, volume, layout, box.corner, work.part(0, 0.5),
+        [&, most = std::max(1, last_phase)](const auto& sampler, const Vec3& p, int x, int row, int section) {
+          out.image.at(x, row, section) =
+              vector_of(static_cast<float>(std::max(0, sampler.majority(p))) / static_cast<float>(most));
+        });
 
   // −1: binder. Without ids all particles have the same value and are separated only by connectivity.
   PixelRegions pixels(layout, out.image);
   if (id || phase)
     sweep(id ? *id : *phase, volume, layout, box.corner, work.part(0.5, 0.9),
           [&](const auto& sampler, const Vec3& p, int x, int row, int section) {
-            pixels.value(x, row, section) = std::max(-1, sampler.majority(p) - (phase ? 1 : 0));
+            pixels.value(x, row, section) =
+                id ? std::max(-1, sampler.majority(p)) : std::max(0, sampler.majority(p)) - 1;
           });
   else if (density)
     sweep(*density, volume, layout, box.corner, work.part(0.5, 0.9),

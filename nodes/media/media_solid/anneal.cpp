@@ -184,8 +184,10 @@ Solid synthesize(const std::vector<PhaseMap>& pictures, const AnnealOptions& opt
     out.phase =
         size.isZero() ? noise(voxels_in(finer), fractions, options.seed) : enlarge(out.phase, size, finer);
     size = finer;
-    // In proportion to the voxels that are visited at this level and at all.
-    const auto visits = [&](int level) { return sweeps_at(level) / std::pow(level, 3.0); };
+    // In proportion to the voxels that are visited at this level and at all, as if one more round helps.
+    const auto visits = [&](int level) {
+      return sweeps_at(level) * (level > 1 ? 3 : 1) / std::pow(level, 3.0);
+    };
     double until = 0, all = 0;
     for (const int level : strides) {
       all += visits(level);
@@ -207,8 +209,9 @@ Solid synthesize(const std::vector<PhaseMap>& pictures, const AnnealOptions& opt
 }
 
 double memory_forecast(const Vec3i& size) {
-  // The phases, their coarser copy, the list of voxels at interfaces, which is copied once, and the grids.
-  return 28.0 * static_cast<double>(voxels_in(size)) + 64e6;
+  // The phases, their coarser copy and bits, the list of voxels at interfaces, which is copied once, and the
+  // grids.
+  return 30.0 * static_cast<double>(voxels_in(size)) + 64e6;
 }
 
 }  // namespace terrazzo::media_solid

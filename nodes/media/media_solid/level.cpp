@@ -64,7 +64,7 @@ Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
     groups_.push_back(group_of(t.axis, t.spacing));
     for (int p = first_; p < phases_; ++p) tables_.push_back(table_of(t.phase[p], floor));
   }
-  for (int p = first_; p < phases_; ++p) bits_.push_back(bits_of(p));
+  for (int p = first_; p < phases_; ++p) bits_.push_back(bits_of(p, work));
   count_all(work);
 }
 
@@ -93,11 +93,14 @@ Level::PatternCounts Level::table_of(const Frequencies& frequencies, double floo
   return out;
 }
 
-Level::Bits Level::bits_of(int phase) const {
-  const std::size_t depth = size_.z();
+Level::Bits Level::bits_of(int phase, const Work& work) const {
+  const std::size_t depth = size_.z(), slice = step_[2];
   Bits out{{size_.x(), size_.y() * depth}, {size_.y(), size_.x() * depth}};
-  for (std::size_t v = 0; v < field_.size(); ++v)
-    if (field_[v] == phase) set(out, place(v), true);
+  // Slices across z share no bytes.
+  work.quiet().parallel(depth, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin * slice; v < end * slice; ++v)
+      if (field_[v] == phase) set(out, place(v), true);
+  });
   return out;
 }
 

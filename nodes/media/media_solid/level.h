@@ -63,7 +63,7 @@ class Level {
   };
   Group group_of(int axis, int spacing) const;
   PatternCounts table_of(const Frequencies&, double floor) const;
-  Bits bits_of(int phase) const;
+  Bits bits_of(int phase, const Work&) const;
   Vec3i place(std::uint32_t voxel) const;
   // Which of the 5 × 5 voxels around `at` in the group's slice are in a phase: three rows of three patterns.
   Columns around(const Group&, const Bits&, const Vec3i& at) const;

@@ -98,10 +98,10 @@ struct Rescale {
   bool none() const { return slope == 1 && intercept == 0; }
 };
 
-// Slope and intercept from the parameters if set, else from the file.
 // Grids of whole numbers, which stand for particles or phases.
 bool is_of_labels(const std::string& grid) { return grid == "id" || grid == "phase"; }
 
+// Slope and intercept from the parameters if set, else from the file.
 Rescale rescale_of(Context& c, const LoadedScan& scan) {
   const bool own_slope = c.keyword("slope").empty(), own_intercept = c.keyword("intercept").empty();
   if (!scan.slope && !own_slope && !own_intercept && !is_of_labels(c.text("grid")))
@@ -146,7 +146,8 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const std::string& pa
 }
 
 // The rescaled numbers as indices of particles or phases, in `whole`.
-void make_labels(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
+void make_labels(LoadedScan& scan, double least, const Rescale& rescale, const std::string& path,
+                 const Work& work) {
   if (scan.is_lossy)
     throw Error(
         "lossy-mask",
@@ -163,6 +164,12 @@ void make_labels(LoadedScan& scan, const Rescale& rescale, const std::string& pa
   for (std::size_t i = 0; i < count; ++i) {
     if (i % (1u << 22) == 0) work.check();
     const double v = rescale.slope * scan.stored(i) + rescale.intercept;
+    if (v < least)
+      throw Error("bad-labels",
+                  fmt::format("'{}' contains {} at voxel {}; phases are numbered from 0", path, v,
+                              place_of_voxel(scan, i)),
+                  "set grid to id, where negative numbers are binder, or set intercept")
+          .parameter("grid");
     if (v != std::nearbyint(v) || !(std::abs(v) <= most))
       throw Error(
           "bad-labels",
@@ -217,10 +224,13 @@ void compute(Context& c) {
   Volume volume;
   volume.extent = scan.size;
   if (is_of_labels(name)) {
-    make_labels(scan, rescale, files[0].string(), c.work());
+    make_labels(scan, name == "id" ? -2147483647.0 : 0, rescale, files[0].string(), c.work());
     report_range(c, scan.whole);
-    add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1),
-                [&](std::size_t i) { return scan.whole[i]; });
+    const auto value = [&](std::size_t i) { return scan.whole[i]; };
+    if (name == "id")
+      add_id_grid(volume, name, scan.size, spacing, c.work().part(0.7, 1), value);
+    else
+      add_phase_grid(volume, scan.size, spacing, c.work().part(0.7, 1), value);
   } else {
     make_floats(scan, rescale, files[0].string(), c.work());
     report_range(c, scan.values);

@@ -109,7 +109,9 @@ Image picture_of(const std::string& bytes, const std::string& name) {
                 "use JPEG, PNG, TIFF, OpenEXR, Radiance HDR, BMP or PNM");
   const TemporaryFile file(fs::temp_directory_path(), "terrazzo_picture",
                            fs::path(name).extension().string());
-  std::ofstream(file.path(), std::ios::binary) << bytes;
+  if (!(std::ofstream(file.path(), std::ios::binary) << bytes << std::flush))
+    throw Error("write-failed",
+                "cannot write a temporary file in '" + fs::temp_directory_path().string() + "'");
   return read_picture(file.path(), name);
 }
 
@@ -196,7 +198,7 @@ NewFile create_graph(const fs::path& photo, const fs::path& folder, const Settin
 
 NewFile create_graph(const std::string& bytes, const std::string& name, const fs::path& folder,
                      Content content, const Settings& settings) {
-  picture_of(bytes, name);
+  picture_of(bytes, name);  // throws if it is none
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)

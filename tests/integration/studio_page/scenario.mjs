@@ -21,7 +21,8 @@ await report(server, async () => {
   await page.setInputFiles('.start input[type=file]', photograph);
   await page.fill('.new input >> nth=0', '0.2');
   await page.waitForSelector('.new >> text=Recommended:');
-  result.recommended = await page.locator('.new input:checked').count();
+  result.recommended = await page.locator('.new p[aria-live]').textContent();
+  result.chosen = await page.locator('.new label:has(input:checked)').textContent();
   await check('new material');
   await page.click('text=Create the material');
   await until('the graph is open', s => s.document.file.endsWith('stones.yaml'));

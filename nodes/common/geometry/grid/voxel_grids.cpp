@@ -32,4 +32,12 @@ void add_id_grid(Volume& volume, const std::string& name, const Vec3i& size, con
   volume.grids.push_back(grid);
 }
 
+void add_phase_grid(Volume& volume, const Vec3i& size, const Vec3& spacing, const Work& work,
+                    const std::function<std::int32_t(std::size_t)>& value) {
+  initialize_openvdb();
+  auto grid = dense_grid<openvdb::Int32Grid>("phase", size, 1, work, value);
+  grid->setTransform(voxel_transform(spacing));
+  volume.grids.push_back(grid);
+}
+
 }  // namespace terrazzo

@@ -21,5 +21,8 @@ void add_vector_grid(Volume&, const std::string& name, const Vec3i& size, double
 // Adds a grid of particle indices: int32, active where not negative, background −1.
 void add_id_grid(Volume&, const std::string& name, const Vec3i& size, const Vec3& spacing, const Work&,
                  const std::function<std::int32_t(std::size_t)>& value);
+// Adds the grid `phase`: int32, all active, background 0.
+void add_phase_grid(Volume&, const Vec3i& size, const Vec3& spacing, const Work&,
+                    const std::function<std::int32_t(std::size_t)>& value);
 
 }  // namespace terrazzo

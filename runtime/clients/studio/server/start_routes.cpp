@@ -88,7 +88,7 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
         }
         const std::string content = in.has_param("content") ? in.get_param_value("content") : "particles";
         if (content != "particles" && content != "phases")
-          throw Error("bad-value", "the content is neither 'particles' nor 'phases'");
+          throw Error("bad-value", "the content '" + content + "' is neither 'particles' nor 'phases'");
         open(Document(create_graph(in.body, name, folder,
                                    content == "phases" ? Content::Phases : Content::Particles, settings)
                           .path),

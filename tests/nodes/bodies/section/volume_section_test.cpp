@@ -4,6 +4,7 @@
 
 #include "nodes/common/geometry/grid/slice_axes.h"
 #include "nodes/data/volume.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -80,6 +81,12 @@ TEST(SectionOfVolume, PhasesAreClasses) {
   EXPECT_EQ(s.profiles.classes, 2);
   EXPECT_EQ(s.profiles.profiles[1].cls, 1);
   EXPECT_EQ(std::get<double>(s.table.rows[1][2]), 1);
+
+  v.grids = {phase};  // without colors, phases are gray levels
+  const VolumeSection gray = cut(v, "z", 3.5 * voxel, voxel);
+  for (int x = 0; x < n; ++x) EXPECT_NEAR(gray.image.at(x, 0)[0], x * 3 / n / 2.0, 1e-6);
+  phase->tree().setValue(openvdb::Coord(0, 0, 0), 256);
+  EXPECT_EQ(test::code_of([&] { cut(v, "z", 3.5 * voxel, voxel); }), "too-many-phases");
 }
 
 TEST(SectionOfVolume, AxesAreSeenAsExemplarsOfSolidTexturesAre) {

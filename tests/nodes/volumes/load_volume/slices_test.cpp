@@ -128,6 +128,19 @@ TEST_F(Slices, PalettesAreIndices) {
   EXPECT_EQ(std::count_if(run.warnings.begin(), run.warnings.end(), tells), 1);
 }
 
+TEST_F(Slices, PhasesAreWholeNumbersFrom0) {
+  TiffPage p{3, 1};
+  p.pixels = number_bytes<std::uint8_t>({2, 0, 1});
+  const auto run = load(write(tiff_file({p})), {{"grid", "phase"}});
+  EXPECT_EQ(numbers(run, "phase"), (Numbers{2, 0, 1}));
+  EXPECT_TRUE(run.warnings.empty());
+  const auto phase = run.output<Volume>("volume").find<openvdb::Int32Grid>("phase");
+  EXPECT_EQ(phase->background(), 0);
+  EXPECT_EQ(phase->activeVoxelCount(), 3u);
+  EXPECT_EQ(test::code_of([&] { load(folder / "a.tif", {{"grid", "phase"}, {"intercept", "-1"}}); }),
+            "bad-labels");
+}
+
 TEST_F(Slices, IdsDoNotPassThroughFloats) {
   TiffPage p{2, 1};
   p.bits = 32;

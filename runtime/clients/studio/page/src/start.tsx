@@ -12,7 +12,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
   const [pixel, setPixel] = useState('0.1');
   const [size, setSize] = useState<{ w: number; h: number } | null>(null);
   const [busy, setBusy] = useState(false);
-  const [advice, setAdvice] = useState<{ content: Content; why: string } | null>(null);
+  const [advice, setAdvice] = useState<{ content?: Content; why: string } | null>(null);
   const [choice, setChoice] = useState<Content | null>(null);
   useEffect(() => {
     let current = true;
@@ -44,7 +44,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
           <legend>It shows</legend>
           {CONTENTS.map(([name, label]) => <label key={name}><input type="radio" name="content" checked={content === name} onChange={() => setChoice(name)} />{' ' + label}</label>)}
         </fieldset>
-        <p className="doc" aria-live="polite">{advice ? `Recommended: ${advice.content}. ${advice.why}` : 'Looking at the picture…'}</p>
+        <p className="doc" aria-live="polite">{!advice ? 'Looking at the picture…' : advice.content ? `Recommended: ${advice.content}. ${advice.why}` : advice.why}</p>
         <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
         <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
         <p className="row"><button className="primary" disabled={busy || !content || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>

@@ -80,10 +80,15 @@ export async function showStart(): Promise<void> {
   if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
 }
 export type Content = 'particles' | 'phases';
-// What to take a picture for, and why. A picture that cannot be read is refused when it is uploaded.
-export async function recommended(picture: File): Promise<{ content: Content; why: string }> {
-  const answer = await fetch(`/api/recommend?${new URLSearchParams({ name: picture.name })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: picture }).catch(() => null);
-  return answer?.ok ? await answer.json() : { content: 'particles', why: 'The picture could not be looked at.' };
+// What to take a picture for, and why; nothing is recommended for one that cannot be read.
+export async function recommended(picture: File): Promise<{ content?: Content; why: string }> {
+  try {
+    const answer = await fetch(`/api/recommend?${new URLSearchParams({ name: picture.name })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: picture });
+    const said = await answer.json();
+    return answer.ok ? said : { why: `${said.message}.` };
+  } catch {
+    return { why: 'The server does not answer.' };
+  }
 }
 export async function upload(picture: File, folder: string, pixelSize: string, content: Content, discard = false): Promise<void> {
   const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, content, discard: String(discard) });
