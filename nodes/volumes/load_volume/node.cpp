@@ -146,8 +146,7 @@ void make_floats(LoadedScan& scan, const Rescale& rescale, const std::string& pa
 }
 
 // The rescaled numbers as indices of particles or phases, in `whole`.
-void make_labels(LoadedScan& scan, double least, const Rescale& rescale, const std::string& path,
-                 const Work& work) {
+void make_labels(LoadedScan& scan, const Rescale& rescale, const std::string& path, const Work& work) {
   if (scan.is_lossy)
     throw Error(
         "lossy-mask",
@@ -164,12 +163,6 @@ void make_labels(LoadedScan& scan, double least, const Rescale& rescale, const s
   for (std::size_t i = 0; i < count; ++i) {
     if (i % (1u << 22) == 0) work.check();
     const double v = rescale.slope * scan.stored(i) + rescale.intercept;
-    if (v < least)
-      throw Error("bad-labels",
-                  fmt::format("'{}' contains {} at voxel {}; phases are numbered from 0", path, v,
-                              place_of_voxel(scan, i)),
-                  "set grid to id, where negative numbers are binder, or set intercept")
-          .parameter("grid");
     if (v != std::nearbyint(v) || !(std::abs(v) <= most))
       throw Error(
           "bad-labels",
@@ -182,6 +175,26 @@ void make_labels(LoadedScan& scan, double least, const Rescale& rescale, const s
   }
   if (scan.whole.empty()) scan.whole = std::move(out);
   scan.values = {};
+}
+
+// Numbers the values from 0 in ascending order, as masks of phases often hold 0 and 255.
+void number_phases(Context& c, std::vector<std::int32_t>& values, const std::string& path) {
+  constexpr std::size_t kMost = 255;
+  std::vector<std::int32_t> known;  // ascending
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i % (1u << 22) == 0) c.work().check();
+    const auto at = std::lower_bound(known.begin(), known.end(), values[i]);
+    if (at != known.end() && *at == values[i]) continue;
+    if (known.size() == kMost)
+      throw Error("bad-labels", fmt::format("'{}' contains more than {} different numbers", path, kMost),
+                  "segment it into phases first")
+          .parameter("grid");
+    known.insert(at, values[i]);
+  }
+  if (known.front() == 0 && known.back() + 1 == static_cast<std::int64_t>(known.size())) return;
+  c.warn(fmt::format("the numbers {} become phases 0 to {}", fmt::join(known, ", "), known.size() - 1));
+  for (std::int32_t& v : values)
+    v = static_cast<std::int32_t>(std::lower_bound(known.begin(), known.end(), v) - known.begin());
 }
 
 template <class T>
@@ -224,7 +237,8 @@ void compute(Context& c) {
   Volume volume;
   volume.extent = scan.size;
   if (is_of_labels(name)) {
-    make_labels(scan, name == "id" ? -2147483647.0 : 0, rescale, files[0].string(), c.work());
+    make_labels(scan, rescale, files[0].string(), c.work());
+    if (name == "phase") number_phases(c, scan.whole, files[0].string());
     report_range(c, scan.whole);
     const auto value = [&](std::size_t i) { return scan.whole[i]; };
     if (name == "id")
@@ -271,8 +285,8 @@ NodeType load_volume_node() {
           Parameter::text("grid", "")
               .doc_("OpenVDB, VTK and DREAM3D: name of the single grid to read; empty: all grids. Other "
                     "formats: name of the output grid; empty: density; id: whole numbers up to 2³¹ − 1, the "
-                    "index of the particle at each voxel, negative in the binder; phase: whole numbers, "
-                    "the phase at each voxel."))
+                    "index of the particle at each voxel, negative in the binder; phase: whole "
+                    "numbers, which are phases 0, 1, … in ascending order."))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "spacing", "auto")
                      .range(1e-9, 1e9)
                      .count(1, 3)

@@ -128,7 +128,7 @@ TEST_F(Slices, PalettesAreIndices) {
   EXPECT_EQ(std::count_if(run.warnings.begin(), run.warnings.end(), tells), 1);
 }
 
-TEST_F(Slices, PhasesAreWholeNumbersFrom0) {
+TEST_F(Slices, PhasesAreNumberedFrom0) {
   TiffPage p{3, 1};
   p.pixels = number_bytes<std::uint8_t>({2, 0, 1});
   const auto run = load(write(tiff_file({p})), {{"grid", "phase"}});
@@ -137,8 +137,16 @@ TEST_F(Slices, PhasesAreWholeNumbersFrom0) {
   const auto phase = run.output<Volume>("volume").find<openvdb::Int32Grid>("phase");
   EXPECT_EQ(phase->background(), 0);
   EXPECT_EQ(phase->activeVoxelCount(), 3u);
-  EXPECT_EQ(test::code_of([&] { load(folder / "a.tif", {{"grid", "phase"}, {"intercept", "-1"}}); }),
-            "bad-labels");
+  p.pixels = number_bytes<std::uint8_t>({255, 0, 127});
+  const auto mask = load(write(tiff_file({p})), {{"grid", "phase"}});
+  EXPECT_EQ(numbers(mask, "phase"), (Numbers{2, 0, 1}));
+  ASSERT_EQ(mask.warnings.size(), 1u);
+  EXPECT_NE(mask.warnings[0].find("0, 127, 255 become phases 0 to 2"), std::string::npos);
+  TiffPage many{256, 1};
+  std::vector<std::uint8_t> all(256);
+  std::iota(all.begin(), all.end(), std::uint8_t{0});
+  many.pixels = number_bytes<std::uint8_t>(all);
+  EXPECT_EQ(code_of([&] { load(write(tiff_file({many})), {{"grid", "phase"}}); }), "bad-labels");
 }
 
 TEST_F(Slices, IdsDoNotPassThroughFloats) {
