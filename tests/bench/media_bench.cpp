@@ -14,11 +14,11 @@
 namespace terrazzo {
 namespace {
 
-constexpr int kSide = 256;  // of the picture, pixels
+constexpr int kPictureSide = 256;  // of the picture, pixels
 
 media::PhaseMap picture() {
-  const solids::SolidExemplar blobs = bench::blobs(kSide);
-  media::PhaseMap out{kSide, kSide, 2, 1, {}};
+  const solids::SolidExemplar blobs = bench::blobs(kPictureSide);
+  media::PhaseMap out{kPictureSide, kPictureSide, 2, 1, {}};
   for (const Vec3f& c : blobs.pixels) out.at.push_back(c[0] > 0.5f);
   return out;
 }
@@ -54,25 +54,25 @@ std::vector<std::uint8_t> cut(const solids::SolidResult& solid, double fraction)
   return out;
 }
 
-double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+double cpu_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 void media_beside_solid_texture(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));
   const media::PhaseMap map = picture();
   solids::SolidExemplar exemplar;
-  exemplar.width = exemplar.height = kSide;
+  exemplar.width = exemplar.height = kPictureSide;
   for (const std::uint8_t p : map.at) exemplar.pixels.push_back(Vec3f::Constant(p ? 0.8f : 0.1f));
   for (auto _ : state) {
-    double start = cpu_seconds();
+    double start = cpu_now();
     media_solid::AnnealOptions options;
     options.size = Vec3i::Constant(n);
     const auto ours = media_solid::synthesize({map}, options, {});
-    const double seconds = cpu_seconds() - start;
-    start = cpu_seconds();
+    const double seconds = cpu_now() - start;
+    start = cpu_now();
     solids::SolidOptions texture;
     texture.size = Vec3i::Constant(n);
     const auto theirs = solids::optimize_solid({exemplar}, texture, {});
-    const double texture_seconds = cpu_seconds() - start;
+    const double texture_seconds = cpu_now() - start;
     state.counters["cpu_s"] = seconds;
     state.counters["times"] = texture_seconds / seconds;
     state.counters["surface"] = relative_surface(ours.phase, n, map);
