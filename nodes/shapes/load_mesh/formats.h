@@ -8,7 +8,7 @@
 
 namespace terrazzo::load_mesh {
 
-PolygonSoup read_obj(std::string_view);
+PolygonSoup read_obj(std::string_view, TextureCoordinates);
 PolygonSoup read_off(std::string_view);
 // With triangle strips.
 PolygonSoup read_ply(std::string_view);
@@ -16,6 +16,6 @@ PolygonSoup read_ply(std::string_view);
 PolygonSoup read_stl(std::string_view, const Reading&);
 // glTF 2.0, text or binary: all triangles of the default scene. Lengths become mm, and the z axis points up.
 // Reads no other file. Also throws "too-large".
-PolygonSoup read_gltf(std::string_view, const Reading&);
+PolygonSoup read_gltf(std::string_view, const Reading&, TextureCoordinates);
 
 }  // namespace terrazzo::load_mesh

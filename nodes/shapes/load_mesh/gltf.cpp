@@ -287,7 +287,8 @@ std::vector<std::array<std::size_t, 3>> triangles_of_primitive(const tinygltf::M
 
 class SceneReader {
  public:
-  SceneReader(const tinygltf::Model& model, const Reading& reading) : model_(model), reading_(reading) {}
+  SceneReader(const tinygltf::Model& model, const Reading& reading, TextureCoordinates uv)
+      : model_(model), reading_(reading), textured_(uv == TextureCoordinates::Read) {}
 
   PolygonSoup read() {
     seen_.assign(model_.nodes.size(), false);
@@ -309,7 +310,7 @@ class SceneReader {
     }
     if (skins_) reading_.warn("the file has bones, which are ignored: the mesh is in its rest position");
     if (skipped_) reading_.warn("points and lines in the file were left out");
-    if (!textured_) soup_.uv.clear();
+    if (soup_.without_uv > 0) soup_.uv.clear();
     return std::move(soup_);
   }
 
@@ -370,14 +371,17 @@ class SceneReader {
       soup_.vertices.push_back(kMillimeters * Vec3(m.x(), -m.z(), m.y()));
     }
     const bool mirrored = place.linear().determinant() < 0;
-    const std::vector<Eigen::Vector2f> uv = coordinates_of(primitive, points.count(), what);
-    textured_ = textured_ && !uv.empty();
+    std::vector<Eigen::Vector2f> uv;
+    if (textured_) {
+      uv = coordinates_of(primitive, points.count(), what);
+      if (uv.empty()) soup_.without_uv += triangles.size();
+    }
     for (auto t : triangles) {
       if (mirrored) std::swap(t[1], t[2]);
       std::vector<int> polygon;
       for (const std::size_t v : t) polygon.push_back(first + v);
       soup_.polygons.push_back(std::move(polygon));
-      if (textured_) soup_.uv.push_back({uv[t[0]], uv[t[1]], uv[t[2]]});
+      if (textured_ && soup_.without_uv == 0) soup_.uv.push_back({uv[t[0]], uv[t[1]], uv[t[2]]});
     }
   }
 
@@ -401,12 +405,12 @@ class SceneReader {
   PolygonSoup soup_;
   std::vector<bool> seen_;
   double bytes_ = 0;
-  bool skins_ = false, skipped_ = false, textured_ = true;
+  bool skins_ = false, skipped_ = false, textured_;
 };
 
 }  // namespace
 
-PolygonSoup read_gltf(std::string_view bytes, const Reading& reading) {
+PolygonSoup read_gltf(std::string_view bytes, const Reading& reading, TextureCoordinates uv) {
   if (bytes.size() > 0xffffffffu) damaged("is larger than 4 GiB");
   const bool binary = bytes.starts_with("glTF");
   const std::string_view json = json_of_gltf(bytes, binary);
@@ -419,7 +423,7 @@ PolygonSoup read_gltf(std::string_view bytes, const Reading& reading) {
         !name.starts_with("KHR_materials_"))
       unsupported("it needs the glTF extension '" + printable(name) + "', which is not supported",
                   "export it without compression");
-  return SceneReader(model, reading).read();
+  return SceneReader(model, reading, uv).read();
 }
 
 }  // namespace terrazzo::load_mesh

@@ -59,17 +59,23 @@ std::string_view Words::word_anywhere(char comment) {
   }
 }
 
-double coordinate(std::string_view word, int line) {
+std::optional<double> number_in(std::string_view word) {
   const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
   double v = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
   const bool whole = end == digits.data() + digits.size() && !digits.empty();
   if (error == std::errc::result_out_of_range && whole &&
       digits.find_first_of("eE") != std::string_view::npos && digits[digits.find_first_of("eE") + 1] == '-')
-    return 0;  // underflow
+    return 0.0;  // underflow
   if (error != std::errc() || !whole || !(std::abs(v) <= std::numeric_limits<float>::max()))
-    damaged(fmt::format("line {}: \"{}\" is not a number", line, printable(word)));
+    return std::nullopt;
   return v;
+}
+
+double coordinate(std::string_view word, int line) {
+  const std::optional<double> v = number_in(word);
+  if (!v) damaged(fmt::format("line {}: \"{}\" is not a number", line, printable(word)));
+  return *v;
 }
 
 std::uint64_t count(std::string_view word, std::uint64_t most, int line, const char* what) {

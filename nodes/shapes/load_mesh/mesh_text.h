@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -42,8 +43,10 @@ class Words {
   int number_ = 0;
 };
 
-// A finite number in the range of single precision, with all its digits. Otherwise throws: "line 7: "nan" is
-// not a number".
+// A finite number in the range of single precision, with all its digits; nothing if the word is no such
+// number.
+std::optional<double> number_in(std::string_view word);
+// The same. Otherwise throws: "line 7: "nan" is not a number".
 double coordinate(std::string_view word, int line);
 // A whole number ≥ 0. Throws for anything else and for numbers above `most`. `what` names the number in the
 // message.

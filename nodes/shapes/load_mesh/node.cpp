@@ -127,6 +127,16 @@ void warn_of_bodies(Context& c, const std::string& file, const std::vector<Mesh>
                      bodies.size(), least, most));
 }
 
+Shape surface_from(Context& c, const std::filesystem::path& path) {
+  const PolygonSoup soup = read_mesh(path, reading_of(c), TextureCoordinates::Read);
+  if (soup.without_uv > 0 && soup.without_uv < soup.polygons.size())
+    c.warn(fmt::format(
+        "{}: {} of {} faces have no UV coordinates, so those of the others are left out; unwrap all "
+        "faces in a mesh editor",
+        path.filename().string(), soup.without_uv, soup.polygons.size()));
+  return surface_of(soup, c.memory(), c.work());
+}
+
 // For `surface`: each file is one shape.
 Shapes surfaces_from(Context& c) {
   const auto& files = c.files("path");
@@ -134,7 +144,7 @@ Shapes surfaces_from(Context& c) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string stem = files[i].stem().string();
     try {
-      Shape shape = surface_of(read_mesh(files[i], reading_of(c)), c.work());
+      Shape shape = surface_from(c, files[i]);
       for (Vec3& v : shape.mesh.vertices) v *= c.number("scale");
       shape.surface_area *= c.number("scale") * c.number("scale");
       shape.name = valid_utf8(stem);
@@ -214,13 +224,12 @@ NodeType load_mesh_node() {
   using namespace load_mesh;
   return NodeType("LoadMesh", 3)
       .doc_(
-          "Reads particle shapes from OBJ, PLY, STL, OFF or glTF files. Each body in a file becomes a shape. "
-          "A "
-          "mesh must be watertight. Otherwise the node fails and lists the open or faulty edges, or closes "
-          "the "
-          "mesh if repair is true.")
+          "Reads particle shapes from OBJ, PLY, STL, OFF or glTF files. Each body in a file becomes a shape "
+          "and must be watertight. Otherwise the node fails and lists the open or faulty edges, or closes "
+          "the mesh if repair is true. With surface: true, each file becomes one shape, which may be open.")
       .output("shapes", "Shapes",
-              "One shape per body, all with equal probability, with the centroid at the origin")
+              "One shape per body, with the centroid at the origin, or per file, at its place, with surface: "
+              "true; all with equal probability")
       .parameter(Parameter::input_path("path").doc_(
           "Mesh file: .obj, .ply, .stl, .off, .glb or .gltf. A glob loads several "
           "shapes."))

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
 
@@ -36,49 +37,60 @@ std::int64_t coordinate_of(std::string_view word, std::size_t before) {
   return n > 0 ? n - 1 : static_cast<std::int64_t>(before) + n;
 }
 
+// A damaged number is NaN, so that only faces that use it lose their coordinates.
 float number_or_nan(std::string_view word) {
-  float out = std::numeric_limits<float>::quiet_NaN();
-  std::from_chars(word.data(), word.data() + word.size(), out);
-  return out;
+  return static_cast<float>(number_in(word).value_or(std::numeric_limits<double>::quiet_NaN()));
 }
 
-// Coordinates may follow the faces that use them. The v of a .obj file points up.
-std::vector<std::vector<Eigen::Vector2f>> resolved(const std::vector<std::vector<std::int64_t>>& corners,
-                                                   const std::vector<Eigen::Vector2f>& coordinates) {
-  std::vector<std::vector<Eigen::Vector2f>> out;
+// Those of a `vt` line. v may be left out, and points up in a .obj file. Each line counts, also a damaged
+// one, since faces refer to them by number.
+Eigen::Vector2f texture_place(const std::vector<std::string_view>& line) {
+  const float u = number_or_nan(line.size() > 1 ? line[1] : std::string_view());
+  return {u, 1 - (line.size() > 2 ? number_or_nan(line[2]) : 0.0f)};
+}
+
+// Coordinates may follow the faces that use them.
+void resolve_coordinates(PolygonSoup& soup, const std::vector<std::vector<std::int64_t>>& corners,
+                         const std::vector<Eigen::Vector2f>& coordinates) {
+  const auto usable = [&](std::int64_t at) {
+    return at >= 0 && at < count_of(coordinates) && coordinates[at].allFinite();
+  };
+  for (const auto& polygon : corners) soup.without_uv += !std::all_of(polygon.begin(), polygon.end(), usable);
+  if (soup.without_uv > 0) return;
   for (const auto& polygon : corners) {
-    out.emplace_back();
-    for (const std::int64_t at : polygon) {
-      if (at < 0 || at >= count_of(coordinates) || !coordinates[at].allFinite()) return {};
-      out.back().emplace_back(coordinates[at].x(), 1 - coordinates[at].y());
+    soup.uv.emplace_back();
+    for (const std::int64_t at : polygon) soup.uv.back().push_back(coordinates[at]);
+  }
+}
+
+// The words of the current line. A backslash at its end continues it.
+void take_words(Words& words, std::vector<std::string_view>& found) {
+  found.clear();
+  for (std::string_view w = words.word();; w = words.word()) {
+    if (w == "\\") {
+      if (!words.next_line('#')) return;
+    } else if (w.empty()) {
+      return;
+    } else if (w.ends_with('\\')) {
+      found.push_back(w.substr(0, w.size() - 1));
+      if (!words.next_line('#')) return;
+    } else {
+      found.push_back(w);
     }
   }
-  return out;
 }
 
 }  // namespace
 
-PolygonSoup read_obj(std::string_view text) {
+PolygonSoup read_obj(std::string_view text, TextureCoordinates uv) {
+  const bool textured = uv == TextureCoordinates::Read;
   PolygonSoup soup;
   Words words(text);
   std::vector<std::string_view> found;
   std::vector<Eigen::Vector2f> coordinates;
   std::vector<std::vector<std::int64_t>> corners;
   while (words.next_line('#')) {
-    found.clear();
-    // A backslash at the end of a line continues it.
-    for (std::string_view w = words.word();; w = words.word()) {
-      if (w == "\\") {
-        if (!words.next_line('#')) break;
-      } else if (w.empty()) {
-        break;
-      } else if (w.ends_with('\\')) {
-        found.push_back(w.substr(0, w.size() - 1));
-        if (!words.next_line('#')) break;
-      } else {
-        found.push_back(w);
-      }
-    }
+    take_words(words, found);
     if (found.empty()) continue;
     if (found[0] == "v") {
       if (found.size() < 4)
@@ -86,20 +98,21 @@ PolygonSoup read_obj(std::string_view text) {
       Vec3 p;
       for (int k = 0; k < 3; ++k) p[k] = coordinate(found[k + 1], words.line());
       soup.vertices.push_back(p);
-    } else if (found[0] == "vt" && found.size() >= 3) {
-      coordinates.emplace_back(number_or_nan(found[1]), number_or_nan(found[2]));
+    } else if (found[0] == "vt" && textured) {
+      coordinates.push_back(texture_place(found));
     } else if (found[0] == "f" || found[0] == "fo") {  // "fo" is the old form of "f"
       std::vector<int> polygon;
-      corners.emplace_back();
-      for (std::size_t k = 1; k < found.size(); ++k) {
+      for (std::size_t k = 1; k < found.size(); ++k)
         polygon.push_back(corner(found[k], soup.vertices.size(), words.line()));
-        corners.back().push_back(coordinate_of(found[k], coordinates.size()));
-      }
       require_corners(soup.polygons.size(), polygon.size());
       soup.polygons.push_back(std::move(polygon));
+      if (!textured) continue;
+      corners.emplace_back();
+      for (std::size_t k = 1; k < found.size(); ++k)
+        corners.back().push_back(coordinate_of(found[k], coordinates.size()));
     }
   }
-  soup.uv = resolved(corners, coordinates);
+  if (textured) resolve_coordinates(soup, corners, coordinates);
   return soup;
 }
 

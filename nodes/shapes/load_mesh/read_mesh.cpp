@@ -13,14 +13,20 @@ namespace {
 // bytes in memory while the list of faces grows.
 constexpr double kBytesPerByte = 30;
 
-using MeshReader = PolygonSoup (*)(std::string_view, const Reading&);
+using MeshReader = PolygonSoup (*)(std::string_view, const Reading&, TextureCoordinates);
 
 MeshReader format_of(const std::filesystem::path& path) {
   const std::string extension = lowercase(path.extension().string());
-  if (extension == ".obj") return [](std::string_view text, const Reading&) { return read_obj(text); };
-  if (extension == ".ply") return [](std::string_view text, const Reading&) { return read_ply(text); };
-  if (extension == ".stl") return read_stl;
-  if (extension == ".off") return [](std::string_view text, const Reading&) { return read_off(text); };
+  if (extension == ".obj")
+    return [](std::string_view text, const Reading&, TextureCoordinates uv) { return read_obj(text, uv); };
+  if (extension == ".ply")
+    return [](std::string_view text, const Reading&, TextureCoordinates) { return read_ply(text); };
+  if (extension == ".stl")
+    return [](std::string_view bytes, const Reading& reading, TextureCoordinates) {
+      return read_stl(bytes, reading);
+    };
+  if (extension == ".off")
+    return [](std::string_view text, const Reading&, TextureCoordinates) { return read_off(text); };
   if (extension == ".glb" || extension == ".gltf") return read_gltf;
   throw Error("unknown-format",
               fmt::format("{}: unknown mesh file extension \"{}\"", path.filename().string(), extension),
@@ -28,13 +34,13 @@ MeshReader format_of(const std::filesystem::path& path) {
 }
 
 PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, std::string_view content,
-                       const Reading& reading) {
+                       const Reading& reading, TextureCoordinates uv) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (content.starts_with(kByteOrderMark)) content.remove_prefix(kByteOrderMark.size());
   Reading named = reading;
   named.warn = [&](const std::string& message) { reading.warn(path.filename().string() + ": " + message); };
   try {
-    return format(content, named);
+    return format(content, named, uv);
   } catch (const Error& e) {
     throw Error(e.diagnostic().code, path.filename().string() + ": " + e.diagnostic().message,
                 e.diagnostic().hint);
@@ -43,7 +49,7 @@ PolygonSoup read_named(const std::filesystem::path& path, MeshReader format, std
 
 }  // namespace
 
-PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading) {
+PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading, TextureCoordinates uv) {
   const std::string name = path.filename().string();
   const MeshReader format = format_of(path);
   std::string content;
@@ -54,7 +60,7 @@ PolygonSoup read_mesh(const std::filesystem::path& path, const Reading& reading)
     throw Error("unreadable-mesh", name + ": cannot be opened", "check the file's permissions");
   }
   require_memory(kBytesPerByte * content.size(), reading.memory, "the mesh of " + name);
-  const PolygonSoup soup = read_named(path, format, content, reading);
+  const PolygonSoup soup = read_named(path, format, content, reading, uv);
   if (soup.polygons.empty())
     throw Error("unreadable-mesh", name + ": contains no faces",
                 "check that the file is complete and that its extension matches its format");

@@ -7,9 +7,9 @@
 
 namespace terrazzo::load_mesh {
 
-// All triangles at their place, with texture coordinates if the file has them. Equal positions become one
+// All triangles at their place, with texture coordinates if the soup has them. Equal positions become one
 // vertex; triangles keep their order. The shape has an area, but no volume and no size. Throws the errors of
-// triangles_of.
-Shape surface_of(const PolygonSoup&, const Work& = {});
+// triangles_of, and "too-large" if more than `memory` bytes would be needed.
+Shape surface_of(const PolygonSoup&, std::uint64_t memory, const Work& = {});
 
 }  // namespace terrazzo::load_mesh

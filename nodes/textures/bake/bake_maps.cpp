@@ -19,10 +19,13 @@ namespace {
 using textures::id_color;
 using textures::Roughness;
 
+// Rows that a thread takes at once: about 16,384 texels, since rows of small textures are too short.
+std::size_t rows_at_once(int size) { return static_cast<std::size_t>(std::max(1, 16384 / size)); }
+
 // Calls visit(texel, x, y, triangle) for every texel of a triangle, on all threads.
 template <class Visit>
 void each_texel(const UvTexels& texels, const Work& work, const Visit& visit) {
-  work.parallel(texels.size, 4, [&](std::size_t begin, std::size_t end) {
+  work.parallel(texels.size, rows_at_once(texels.size), [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       for (int x = 0; x < texels.size; ++x) {
         const int y = static_cast<int>(row);
@@ -162,18 +165,21 @@ class ParticleBaker {
 };
 
 // The grid `density` as a field of grays, over one period.
-std::optional<carving::ColorField> density_field(const Volume& volume) {
+std::optional<carving::ColorField> density_field(const Volume& volume, const Work& work) {
   const auto grid = volume.find<openvdb::FloatGrid>("density");
   if (!grid) return std::nullopt;
   const openvdb::CoordBBox box = voxels_of(volume, *grid);
   const Vec3i n(box.dim().x(), box.dim().y(), box.dim().z());
-  std::vector<Vec3f> gray;
-  gray.reserve(voxels_in(n));
-  auto voxels = grid->getConstAccessor();
-  for (int z = 0; z < n.z(); ++z)
-    for (int y = 0; y < n.y(); ++y)
-      for (int x = 0; x < n.x(); ++x)
-        gray.push_back(Vec3f::Constant(std::clamp(voxels.getValue(box.min().offsetBy(x, y, z)), 0.0f, 1.0f)));
+  std::vector<Vec3f> gray(voxels_in(n));
+  work.parallel(n.z(), 1, [&](std::size_t begin, std::size_t end) {
+    auto voxels = grid->getConstAccessor();
+    for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
+      for (int y = 0; y < n.y(); ++y)
+        for (int x = 0; x < n.x(); ++x)
+          gray[voxel_at(x, y, z, n)].setConstant(
+              std::clamp(voxels.getValue(box.min().offsetBy(x, y, z)), 0.0f, 1.0f));
+  });
+  work.check();
   return carving::ColorField(n, gray);
 }
 
@@ -188,13 +194,17 @@ BakedMaps bake_particles(const UvTexels& texels, const TexelPlaces& places, cons
 BakedMaps bake_volume(const UvTexels& texels, const TexelPlaces& places, const Volume& volume,
                       const Roughness& roughness, const Work& work) {
   const carving::ColorField colors = carving::ColorField::of(volume, work.part(0, 0.2));
-  const std::optional<carving::ColorField> density = density_field(volume);
+  const std::optional<carving::ColorField> density = density_field(volume, work.part(0.2, 0.3));
   const auto ids = volume.find<openvdb::Int32Grid>("id");
   const section::VolumeBox box = section::volume_box(volume);
   const openvdb::Coord first = voxels_of(volume).min();
+  const auto voxel_of = [&](const Vec3& at) {  // by rounding, a point may be at the end of the period
+    const auto along = [&](int k) { return std::clamp(round_down(at[k]), 0, colors.resolution()[k] - 1); };
+    return first.offsetBy(along(0), along(1), along(2));
+  };
   const Vec3 per_mm = colors.resolution().cast<double>().cwiseQuotient(box.size);
   BakedMaps out = blank_maps(texels.size, Vec3f::Constant(0.5f));
-  work.part(0.2, 1).parallel(texels.size, 4, [&](std::size_t begin, std::size_t end) {
+  work.part(0.3, 1).parallel(texels.size, rows_at_once(texels.size), [&](std::size_t begin, std::size_t end) {
     std::optional<openvdb::Int32Grid::ConstAccessor> id;
     if (ids) id.emplace(ids->getConstAccessor());
     for (std::size_t at = begin * texels.size; at < end * texels.size; ++at) {
@@ -207,10 +217,7 @@ BakedMaps bake_volume(const UvTexels& texels, const TexelPlaces& places, const V
       out.cover[at] = share;
       out.roughness.pixels[at].setConstant(static_cast<float>(double{share} * roughness.particles[0] +
                                                               (1 - double{share}) * roughness.binder));
-      if (id)
-        out.id.pixels[at] =
-            id_color(std::max(-1, id->getValue(first.offsetBy(round_down(voxel.x()), round_down(voxel.y()),
-                                                              round_down(voxel.z())))));
+      if (id) out.id.pixels[at] = id_color(std::max(-1, id->getValue(voxel_of(voxel))));
     }
   });
   return out;
@@ -241,6 +248,9 @@ Image normals_on_mesh(const UvTexels& texels, const TexelPlaces& places, const t
     Eigen::Matrix2d metric;
     metric << axes.right.squaredNorm(), axes.right.dot(axes.down), axes.right.dot(axes.down),
         axes.down.squaredNorm();
+    // Without one, of a triangle that is a line in space, the texel stays flat.
+    constexpr double kLeast = 1e-12;  // sine of the angle between the axes, squared
+    if (!(metric.determinant() > kLeast * metric(0, 0) * metric(1, 1))) return;
     const Eigen::Vector2d w = metric.inverse() * Eigen::Vector2d(right, down);
     const Vec3 gradient = w.x() * axes.right + w.y() * axes.down;
     const Vec3 tangent = axes.right.normalized();

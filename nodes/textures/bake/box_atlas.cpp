@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 
@@ -11,6 +12,8 @@
 
 namespace terrazzo::bake {
 namespace {
+
+constexpr std::size_t kCheckEvery = 4096;  // triangles
 
 // The side of a box that a triangle faces: axis · 2, plus 1 if it is the negative one.
 int side_of(const Mesh& mesh, const Triangle& t) {
@@ -36,35 +39,52 @@ struct Chart {
   Eigen::Vector2d corner = Eigen::Vector2d::Zero();  // its place in the texture, texels
 };
 
+// The triangles at each edge that face the same side, by the edge's vertices and the side.
+using EdgeTriangles = std::map<std::array<int, 3>, std::vector<std::size_t>>;
+
+std::array<int, 3> edge_of(const Triangle& t, int k, int side) {
+  const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
+  return {low, high, side};
+}
+
+// Of the triangle `start`, and all that it is connected to. Empties the lists of the edges that it visits:
+// their triangles are taken, and lists visited once for each of their triangles would take quadratic time.
+Chart grow_chart(const Mesh& mesh, std::size_t start, int side, EdgeTriangles& edges,
+                 std::vector<bool>& taken, const Work& work) {
+  Chart chart;
+  chart.side = side;
+  chart.triangles = {start};
+  taken[start] = true;
+  for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
+    if (i % kCheckEvery == 0) work.check();
+    const Triangle& t = mesh.triangles[chart.triangles[i]];
+    for (int k = 0; k < 3; ++k) {
+      chart.box.extend(projected(mesh.vertices[t[k]], side));
+      std::vector<std::size_t>& beside = edges.at(edge_of(t, k, side));
+      for (const std::size_t other : beside)
+        if (!taken[other]) {
+          taken[other] = true;
+          chart.triangles.push_back(other);
+        }
+      beside.clear();
+    }
+  }
+  return chart;
+}
+
 std::vector<Chart> charts_of(const Mesh& mesh, const Work& work) {
-  std::map<std::pair<int, int>, std::vector<std::size_t>> edges;
+  EdgeTriangles edges;
   std::vector<int> side;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (t % 4096 == 0) work.check();
+    if (t % kCheckEvery == 0) work.check();
     side.push_back(side_of(mesh, mesh.triangles[t]));
-    for (int k = 0; k < 3; ++k)
-      edges[std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3])].push_back(t);
+    for (int k = 0; k < 3; ++k) edges[edge_of(mesh.triangles[t], k, side[t])].push_back(t);
   }
   std::vector<Chart> out;
   std::vector<bool> taken(mesh.triangles.size(), false);
   for (std::size_t start = 0; start < taken.size(); ++start) {
-    if (taken[start]) continue;
-    taken[start] = true;
-    Chart chart;
-    chart.side = side[start];
-    chart.triangles = {start};
-    for (std::size_t i = 0; i < chart.triangles.size(); ++i) {
-      const Triangle& t = mesh.triangles[chart.triangles[i]];
-      for (int k = 0; k < 3; ++k) {
-        chart.box.extend(projected(mesh.vertices[t[k]], chart.side));
-        for (const std::size_t other : edges.at(std::minmax(t[k], t[(k + 1) % 3])))
-          if (!taken[other] && side[other] == chart.side) {
-            taken[other] = true;
-            chart.triangles.push_back(other);
-          }
-      }
-    }
-    out.push_back(std::move(chart));
+    if (start % kCheckEvery == 0) work.check();
+    if (!taken[start]) out.push_back(grow_chart(mesh, start, side[start], edges, taken, work));
   }
   return out;
 }
@@ -91,7 +111,7 @@ bool pack(std::vector<Chart>& charts, const std::vector<std::size_t>& order, dou
 
 }  // namespace
 
-std::vector<CornerUv> box_atlas(const Mesh& mesh, int size, int gap, const Work& work) {
+BoxAtlas box_atlas(const Mesh& mesh, int size, int gap, const Work& work) {
   std::vector<Chart> charts = charts_of(mesh, work);
   std::vector<std::size_t> order(charts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -120,12 +140,13 @@ std::vector<CornerUv> box_atlas(const Mesh& mesh, int size, int gap, const Work&
   double scale = largest_scale(gap);
   while (gap > 1 && scale < kLeast * most) scale = largest_scale(gap /= 2);
   pack(charts, order, scale, size, gap);
-  std::vector<CornerUv> out(mesh.triangles.size());
+  BoxAtlas out{std::vector<CornerUv>(mesh.triangles.size()), gap};
+  work.check();
   for (const Chart& chart : charts)
     for (const std::size_t t : chart.triangles)
       for (int k = 0; k < 3; ++k) {
         const Eigen::Vector2d mm = projected(mesh.vertices[mesh.triangles[t][k]], chart.side);
-        out[t][k] = ((chart.corner + scale * (mm - chart.box.min())) / size).cast<float>();
+        out.uv[t][k] = ((chart.corner + scale * (mm - chart.box.min())) / size).cast<float>();
       }
   return out;
 }

@@ -1,7 +1,10 @@
 #include "nodes/textures/relief/solid_look.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "graph/diagnostic.h"
 #include "nodes/data/indices.h"
 #include "nodes/detail/residual/skins.h"
 
@@ -26,6 +29,19 @@ Detail unlit(Detail detail) {
     }
   }
   return detail;
+}
+
+void check_softness(const Detail& detail, double texel, const char* parameter, const char* hint) {
+  constexpr double kMost = 50;  // texels
+  const double mm = detail.softness * detail.pixel_size;
+  if (mm / texel <= kMost) return;
+  throw Error(
+      "bad-value",
+      fmt::format("the photograph blurs outlines by {:.3g} mm, which is {:.3g} texels of {:.3g} mm; at "
+                  "most {:g} are possible",
+                  mm, mm / texel, texel, kMost),
+      hint)
+      .parameter(parameter);
 }
 
 void require_one_solid(const Context& c) {

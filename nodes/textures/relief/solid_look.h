@@ -29,6 +29,11 @@ Vec3f id_color(std::int32_t particle);
 // Without what the photograph's light adds, which is not part of the material.
 Detail unlit(Detail);
 
+// Refuses a blur of outlines that would take most of the memory and time, as texels much smaller than the
+// photograph's pixels do, for example on a mesh in another unit. `texel`: mm. Throws Error "bad-value", which
+// names the parameter and says the hint.
+void check_softness(const Detail&, double texel, const char* parameter, const char* hint);
+
 // Of the inputs particles, shapes and volume. Throws Error "two-sources", "missing-input".
 void require_one_solid(const Context&);
 

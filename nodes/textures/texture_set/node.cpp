@@ -120,6 +120,7 @@ TextureMaps maps_of_particles(Context& c, FinishKind kind) {
   std::optional<residual::ResidualField> field;
   double softness = 0;
   if (const Detail* detail = c.optional<Detail>("detail")) {
+    textures::check_softness(*detail, layout.pixel_size, "resolution", "lower resolution");
     field.emplace(textures::unlit(*detail), particles, layout.pixel_size, residual::Keep::Power,
                   c.work().part(0, 0.1));
     softness = detail->softness * detail->pixel_size;

@@ -167,6 +167,29 @@ TEST_F(GltfMesh, LiesAreErrors) {
             "unreadable-mesh");
 }
 
+TEST_F(GltfMesh, OnlySurfacesReadTextureCoordinates) {
+  const auto surface = [&](const json& j) {
+    return read_mesh(written(j.dump()), {}, TextureCoordinates::Read);
+  };
+  json j = tetrahedron_gltf();
+  json& primitives = j["meshes"][0]["primitives"];
+  primitives[0]["attributes"]["TEXCOORD_0"] = 12;  // no such accessor
+  EXPECT_EQ(code(j), "");
+  EXPECT_EQ(test::code_of([&] { surface(j); }), "bad-mesh");
+
+  primitives[0]["attributes"]["TEXCOORD_0"] = 2;  // the first floats of the positions
+  j["accessors"].push_back({{"bufferView", 0}, {"componentType", 5126}, {"count", 4}, {"type", "VEC2"}});
+  EXPECT_EQ(surface(j).uv.size(), 4u);
+  EXPECT_EQ(surface(j).without_uv, 0u);
+  EXPECT_TRUE(read_mesh(written(j.dump())).uv.empty());
+
+  primitives.push_back({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
+  const auto soup = surface(j);
+  EXPECT_EQ(soup.polygons.size(), 8u);
+  EXPECT_EQ(soup.without_uv, 4u);
+  EXPECT_TRUE(soup.uv.empty());
+}
+
 TEST_F(GltfMesh, NoOtherFileIsOpened) {
   std::ofstream(folder / "secret.bin", std::ios::binary) << std::string(60, '\0');
   for (const std::string path :

@@ -197,6 +197,39 @@ TEST_F(MeshFormats, ObjWithOtherLineEndsReferencesAndContinuations) {
   for (const std::string& file : files) EXPECT_NEAR(six("a.obj", file), 1, 1e-12) << file.substr(0, 60);
 }
 
+TEST_F(MeshFormats, TextureCoordinatesOfObj) {
+  const std::string vertices = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  const auto read = [&](const std::string& more, TextureCoordinates uv = TextureCoordinates::Read) {
+    std::ofstream(folder / "t.obj", std::ios::binary) << vertices << more;
+    return read_mesh(folder / "t.obj", {}, uv);
+  };
+  using Coordinates = std::vector<std::vector<Eigen::Vector2f>>;
+  const Eigen::Vector2f a(0.25f, 1), b(0.5f, 1), c(1, 0.5f);
+  // Without v, with a sign, with a third number, and too small for single precision.
+  const std::string lines = "vt 0.25\nvt +0.5 1e-60 0\nvt 1 +.5\n";
+  EXPECT_EQ(read(lines + "f 1/1 2/2 3/3\n").uv, (Coordinates{{a, b, c}}));
+  EXPECT_EQ(read(lines + "f 1/-3 2/-2 3/-1\n").uv, (Coordinates{{a, b, c}}));
+  // Damaged lines keep their numbers.
+  EXPECT_EQ(read("vt\nvt x 1\n" + lines + "f 1/3 2/4 3/5\n").uv, (Coordinates{{a, b, c}}));
+  for (const char* face :
+       {"f 1 2 3\n", "f 1/1 2/2 3\n", "f 1/1 2/2 3/4\n", "f 1/1 2/2 3/5\n", "f 1/1 2/2 3/0\n"}) {
+    const auto soup = read(lines + "vt nan 0\nf 1/1 2/2 3/3\n" + face);
+    EXPECT_TRUE(soup.uv.empty()) << face;
+    EXPECT_EQ(soup.without_uv, 1u) << face;
+  }
+  const auto warnings = [&] {
+    return test::run_node("LoadMesh", {}, {{"path", (folder / "t.obj").string()}, {"surface", "true"}})
+        .warnings;
+  };
+  ASSERT_EQ(warnings().size(), 1u);
+  EXPECT_NE(warnings()[0].find("1 of 2 faces have no UV coordinates"), std::string::npos) << warnings()[0];
+  read("f 1 2 3\n");
+  EXPECT_TRUE(warnings().empty());
+  const auto ignored = read(lines + "f 1/1 2/2 3/3\n", TextureCoordinates::Ignored);
+  EXPECT_TRUE(ignored.uv.empty());
+  EXPECT_EQ(ignored.without_uv, 0u);
+}
+
 TEST_F(MeshFormats, VariantsOfOff) {
   const std::string faces = "3 0 2 1\n3 0 1 3 255 0 0\n3 0 3 2 0.5 0.5 0.5 1\n3 1 2 3\n";
   const auto off = [&](const std::string& header, const std::string& more) {

@@ -216,6 +216,63 @@ Vec3f bilinear(const Image& image, const Eigen::Vector2d& texel) {
          t * ((1 - s) * image.at(x, y + 1) + s * image.at(x + 1, y + 1));
 }
 
+// Of particles, TextureSet shows those that emerge beside the worn binder; of a volume, both follow the
+// outlines in the plane.
+TEST(Bake, AWornPlaneOfAVolumeHasTheMapsOfTextureSet) {
+  const Value volume = Value::of(waves(true, true));
+  for (const char* relief : {"0.5", "-0.5"}) {
+    const Settings common = {
+        {"resolution", "96"}, {"relief", relief}, {"roughness", "[0.2]"}, {"binder_roughness", "0.5"}};
+    Settings honed = common;
+    honed["finish"] = "honed";
+    honed["position"] = "3.3";
+    const auto baked = test::run_node(
+        "Bake", {{"mesh", Value::of(only(rectangle({0, 0}, {16, 16}, 3.3)))}, {"volume", volume}}, common);
+    const auto set = test::run_node("TextureSet", {{"volume", volume}}, honed);
+    for (const char* name : {"base_color", "normal", "height", "roughness", "occlusion"}) {
+      const Image &a = baked.output<Image>(name), &b = set.output<Image>(name);
+      ASSERT_EQ(a.width, b.width);
+      ASSERT_EQ(a.height, b.height);
+      int different = 0;
+      // Bake rounds the roots of colors and densities to 16 bits.
+      for (int y = 1; y < b.height - 1; ++y)
+        for (int x = 1; x < b.width - 1; ++x)
+          different += (a.at(x, y) - b.at(x, y)).cwiseAbs().maxCoeff() > 2e-3f;
+      EXPECT_LE(different, 5) << name << ", relief " << relief;
+    }
+  }
+}
+
+// Beside the mesh's parts, the texture is no pit and no wall.
+TEST(Bake, BlankTexelsDoNotTouchTheRelief) {
+  const Shape part = rectangle({1, 1}, {5, 5}, 2, 0.25f, 0.25f, 0.75f, 0.75f);  // where density is 1
+  for (const float relief : {0.5f, -0.5f}) {
+    const auto run =
+        test::run_node("Bake", {{"mesh", Value::of(only(part))}, {"volume", Value::of(waves(true, true))}},
+                       {{"resolution", "128"}, {"padding", "2"}, {"relief", std::to_string(relief)}});
+    const Image &height = run.output<Image>("height"), &normal = run.output<Image>("normal");
+    const Image& occlusion = run.output<Image>("occlusion");
+    for (int y = 32; y < 96; ++y)
+      for (int x = 32; x < 96; ++x) {
+        ASSERT_NEAR(height.at(x, y).x(), std::min(relief, 0.0f), 1e-4) << x << ", " << y;
+        ASSERT_LT((normal.at(x, y) - Vec3f(0.5f, 0.5f, 1)).norm(), 1e-4f) << x << ", " << y;
+        ASSERT_NEAR(occlusion.at(x, y).x(), 1, 1e-4) << x << ", " << y;
+      }
+    EXPECT_EQ(height.at(0, 0).x(), relief > 0 ? -relief : 0);  // as the binder
+    EXPECT_EQ(occlusion.at(0, 0), Vec3f::Ones());
+  }
+}
+
+// Padding has many more texels here than the triangles, of which one is a sliver.
+TEST(Bake, TexelsHaveTheMeanSizeOfTheTriangles) {
+  Shape s = rectangle({0, 0}, {1, 2}, 1, 0.4f, 0.4f, 0.6f, 0.6f);
+  s.mesh.vertices.emplace_back(0, 5, 1);
+  s.mesh.triangles.push_back({3, 2, 4});  // 1.5 mm²
+  s.uv.push_back({s.uv[1][2], s.uv[1][1], s.uv[1][2] - Eigen::Vector2f(0, 0.005f)});
+  const auto run = bake_of(s, balls_on_a_lattice(), {{"resolution", "200"}, {"padding", "60"}});
+  EXPECT_NEAR(run.metrics.at("pixel_size"), std::sqrt(3.5 / (40 * 40 + 0.5 * 40)), 1e-4);
+}
+
 // At each edge of the mesh, the two triangles show the same colors, also where their charts are far apart.
 TEST(Bake, NoSeamShows) {
   Shape ball;
@@ -294,6 +351,36 @@ TEST(Bake, TrianglesWithACommonEdgeShareNoTexel) {
   }
 }
 
+TEST(Bake, TrianglesWithoutAreaHaveNoTexels) {
+  // On a line in the texture until its corners are rounded to 1 / 256 texel.
+  Shape s = rectangle({0, 0}, {6, 6}, 0);
+  s.mesh.triangles.insert(s.mesh.triangles.begin(), {0, 1, 2});
+  s.uv.insert(s.uv.begin(),
+              {Eigen::Vector2f(0.1f, 0.2f), Eigen::Vector2f(0.5f, 0.4f), Eigen::Vector2f(0.9f, 0.6f)});
+  const auto texels = bake::find_texels(s.mesh, s.uv, 64, 0);
+  EXPECT_EQ(texels.without_area, 1u);
+  EXPECT_EQ(texels.covered, 64u * 64u);
+  for (const std::int32_t t : texels.triangle) EXPECT_GT(t, 0);
+
+  // Almost on a line in space.
+  Shape line = rectangle({0, 0}, {6, 6}, 0);
+  line.mesh.vertices = {{0, 0, 0}, {4, 0, 0}, {8, 1e-9, 0}, {4, 1e-9, 0}};
+  const auto on_line = bake::find_texels(line.mesh, line.uv, 64, 0);
+  const bake::TexelPlaces places(line.mesh, line.uv, 64, 1);
+  textures::HeightField h{64, 64, 1, 1, std::vector<float>(64 * 64)};
+  for (std::size_t i = 0; i < h.mm.size(); ++i) h.mm[i] = static_cast<float>(Random(1, 0, i).uniform(0, 1));
+  for (const Vec3f& n : bake::normals_on_mesh(on_line, places, h).pixels) ASSERT_TRUE(n.allFinite());
+}
+
+TEST(Bake, SliversThatReachThroughTooManyRowsAreRefused) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles.assign(600, {0, 1, 2});
+  const std::vector<CornerUv> uv(
+      600, {Eigen::Vector2f(0, -60), Eigen::Vector2f(0, 60), Eigen::Vector2f(0.0001f, 0)});
+  EXPECT_EQ(test::code_of([&] { bake::find_texels(mesh, uv, 16384, 0); }), "bad-uv");
+}
+
 // A slope of 0.2 along x in space, on a stretched, sheared and mirrored texture.
 TEST(Bake, NormalsKnowTheTexturesAxes) {
   for (const bool mirrored : {false, true}) {
@@ -328,16 +415,27 @@ TEST(Bake, ReliefFollowsOutlines) {
   const Settings settings = {{"resolution", "240"}, {"relief", "0.3"}, {"roughness", "[0.1, 0.2, 0.3]"}};
   const auto run = bake_of(rectangle({0, -3}, {12, 9}, 1.4), s, settings);
   const Image &height = run.output<Image>("height"), &id = run.output<Image>("id");
-  double top = -1, binder = 1;
-  for (std::size_t i = 0; i < id.pixels.size(); ++i) {
-    const double h = double{height.pixels[i].x()};
-    EXPECT_GE(h, -0.3001);
-    EXPECT_LE(h, 0.0001);
-    (id.pixels[i] == Vec3f::Zero() ? binder : top) =
-        id.pixels[i] == Vec3f::Zero() ? std::min(binder, h) : std::max(top, h);
-  }
-  EXPECT_FLOAT_EQ(static_cast<float>(top), 0);
-  EXPECT_FLOAT_EQ(static_cast<float>(binder), -0.3f);
+  const auto binder = [&](int x, int y) { return id.at(x, y) == Vec3f::Zero(); };
+  // Edges are rounded over √(2 · 0.15 · 0.3) mm, which is six texels of 0.05 mm.
+  constexpr int kFar = 9;
+  const auto alike = [&](int x, int y) {
+    for (int dy = -kFar; dy <= kFar; ++dy)
+      for (int dx = -kFar; dx <= kFar; ++dx)
+        if (dx * dx + dy * dy <= kFar * kFar && binder(x + dx, y + dy) != binder(x, y)) return false;
+    return true;
+  };
+  int inside = 0, outside = 0;
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 240; ++x) {
+      const double h = double{height.at(x, y).x()};
+      ASSERT_GE(h, -0.3001) << x << ", " << y;
+      ASSERT_LE(h, 0.0001) << x << ", " << y;
+      if (x < kFar || y < kFar || x >= 240 - kFar || y >= 240 - kFar || !alike(x, y)) continue;
+      ASSERT_NEAR(h, binder(x, y) ? -0.3 : 0, 1e-4) << x << ", " << y;
+      ++(binder(x, y) ? outside : inside);
+    }
+  EXPECT_GT(inside, 1000);
+  EXPECT_GT(outside, 1000);
 }
 
 TEST(Bake, ThreadsDoNotChangeTheMaps) {
@@ -373,7 +471,8 @@ TEST(Bake, WarnsOfDoubtfulMeshes) {
     twice.mesh.triangles.push_back({t[0] + 4, t[1] + 4, t[2] + 4});
   twice.uv.insert(twice.uv.end(), upper.uv.begin(), upper.uv.end());
   EXPECT_TRUE(has(warnings(twice), "50 % of the texels belong to several triangles"));
-  EXPECT_EQ(warnings(twice, {{"uv", "atlas"}}), "");
+  EXPECT_EQ(warnings(twice, {{"uv", "atlas"}, {"padding", "1"}}), "");
+  EXPECT_TRUE(has(warnings(twice, {{"uv", "atlas"}}), "padding reaches only 1 of 16 pixels"));
 
   EXPECT_TRUE(has(warnings(rectangle({0, 0}, {6, 6}, 1, 1, 0, 2, 1)), "2 of 2 triangles leave the texture"));
   Shape flat = rectangle({0, 0}, {6, 6}, 1);
@@ -383,6 +482,54 @@ TEST(Bake, WarnsOfDoubtfulMeshes) {
   EXPECT_TRUE(has(warnings(rectangle({0, 0}, {900, 900}, 1)), "150 periods of the solid (6 mm)"));
   EXPECT_TRUE(has(warnings(rectangle({0, 0}, {0.2, 0.2}, 1)), "1000 for meters"));
   EXPECT_EQ(warnings(rectangle({0, 0}, {0.02, 0.02}, 1), {{"scale", "300"}}), "");
+}
+
+TEST(Bake, WarnsOfWhatAVolumeDoesNotShow) {
+  Volume volume = waves(true, true);
+  const Value mesh = Value::of(only(rectangle({0, 0}, {6, 6}, 1)));
+  const auto warnings = [&](std::multimap<std::string, Value> inputs, Settings settings = {}) {
+    settings.emplace("resolution", "64");
+    inputs.emplace("mesh", mesh);
+    inputs.emplace("volume", Value::of(volume));
+    return test::run_node("Bake", inputs, settings).warnings;
+  };
+  EXPECT_TRUE(warnings({}, {{"roughness", "[0.1]"}}).empty());
+  auto voids = openvdb::FloatGrid::create(0);
+  voids->setName("void");
+  voids->setTransform(voxel_transform(1));
+  volume.grids.push_back(voids);
+  const auto all = warnings({{"detail", Value::of(grain())}}, {{"roughness", "[0.1, 0.2]"}});
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_NE(all[0].find("voids"), std::string::npos);
+  EXPECT_NE(all[1].find("detail"), std::string::npos);
+  EXPECT_NE(all[2].find("roughness has 2 values"), std::string::npos);
+}
+
+// Much smaller texels than the photograph's pixels, as on a mesh in meters, would be blurred over most of the
+// texture.
+TEST(Bake, RefusesABlurOfManyTexels) {
+  const BakedSolid s = balls_on_a_lattice();
+  Detail detail = grain();
+  detail.softness = 3;  // 0.3 mm
+  const auto inputs = inputs_of(rectangle({0, 0}, {6, 6}, 1), s, &detail);
+  const auto refused = [](const char* type, const std::multimap<std::string, Value>& given,
+                          const Settings& settings) -> std::string {
+    try {
+      test::run_node(type, given, settings);
+    } catch (const Error& e) {
+      return e.diagnostic().code + " " + e.diagnostic().parameter;
+    }
+    return "";
+  };
+  EXPECT_EQ(refused("Bake", inputs, {{"resolution", "64"}}), "");
+  EXPECT_EQ(refused("Bake", inputs, {{"resolution", "64"}, {"scale", "0.01"}}), "bad-value scale");
+  detail.softness = 200;
+  EXPECT_EQ(refused("TextureSet",
+                    {{"particles", Value::of(s.particles)},
+                     {"shapes", Value::of(s.shapes)},
+                     {"detail", Value::of(detail)}},
+                    {{"resolution", "64"}}),
+            "bad-value resolution");
 }
 
 // Coordinates from 1 to 2 are those from 0 to 1, and a quad may lie across the texture's edge.
@@ -440,6 +587,13 @@ TEST(Bake, RefusesWhatItCannotShow) {
   EXPECT_EQ(test::code_of([&] { compute_node(std::move(request)); }), "too-large");
 }
 
+// The inputs of Export for maps and their mesh.
+std::multimap<std::string, Value> exported(const test::NodeRun& maps) {
+  std::multimap<std::string, Value> inputs;
+  for (const auto& [name, value] : maps.outputs) inputs.emplace(name == "mesh" ? "shapes" : name, value);
+  return inputs;
+}
+
 // Through the files that an artist has: .obj in, .glb out, and back.
 TEST(Bake, MeshesKeepTheirCoordinatesInFiles) {
   const auto folder = test::temporary_folder();
@@ -463,8 +617,7 @@ TEST(Bake, MeshesKeepTheirCoordinatesInFiles) {
   const BakedSolid s = balls_on_a_lattice();
   const auto maps = bake_of(quad, s, {{"resolution", "64"}});
   EXPECT_TRUE(maps.warnings.empty());
-  std::multimap<std::string, Value> inputs;
-  for (const auto& [name, value] : maps.outputs) inputs.emplace(name == "mesh" ? "shapes" : name, value);
+  auto inputs = exported(maps);
   test::run_node("Export", inputs, {{"path", "quad.glb"}}, folder);
   const Shape again = load("quad.glb", "1");
   ASSERT_EQ(again.uv.size(), 2u);
@@ -484,9 +637,15 @@ TEST(Bake, MeshesKeepTheirCoordinatesInFiles) {
               test::run_node("Export", inputs, {{"path", "bare.glb"}}, folder);
             }),
             "no-uv");
+}
 
+TEST(Bake, MeshesWithMapsAreValidGltf) {
   const auto check = test::npm_check("gltf_check");
-  if (check.empty()) return;  // node and npm are not installed, or cannot install gltf-validator and three
+  if (check.empty()) GTEST_SKIP() << "node and npm are not installed, or cannot install the validator";
+  const auto folder = test::temporary_folder();
+  const auto maps =
+      bake_of(rectangle({0, 0}, {6, 6}, 1, 0.25f, 0.5f, 1, 1), balls_on_a_lattice(), {{"resolution", "64"}});
+  test::run_node("Export", exported(maps), {{"path", "quad.glb"}}, folder);
   const auto report = test::run_npm_check(check, folder / "quad.glb");
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["errors"], 0) << report["messages"].dump(1);
