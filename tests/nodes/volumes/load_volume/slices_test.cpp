@@ -42,8 +42,8 @@ class Slices : public ::testing::Test {
   }
   std::vector<double> numbers(const test::NodeRun& run, const std::string& name = "density") {
     const auto& volume = run.output<Volume>("volume");
-    return name == "id" ? numbers_of(*volume.find<openvdb::Int32Grid>("id"))
-                        : numbers_of(*volume.find<openvdb::FloatGrid>(name));
+    const auto whole = volume.find<openvdb::Int32Grid>(name);
+    return whole ? numbers_of(*whole) : numbers_of(*volume.find<openvdb::FloatGrid>(name));
   }
   std::vector<double> numbers(const TiffPage& page, const test::TiffKind& kind = {}) {
     return numbers(load(write(tiff_file({page}, kind))));
