@@ -36,8 +36,7 @@ double surface_of(const At& at, int nx, int ny) {
 double relative_surface(const std::vector<std::uint8_t>& phase, int n, const media::PhaseMap& map) {
   double sum = 0;
   for (int z = 0; z < n; ++z)
-    sum +=
-        surface_of([&](int x, int y) { return phase[(static_cast<std::size_t>(z) * n + y) * n + x]; }, n, n);
+    sum += surface_of([&](int x, int y) { return phase[voxel_at(x, y, z, Vec3i::Constant(n))]; }, n, n);
   return sum / n / surface_of([&](int x, int y) { return map.at[map.index(x, y)]; }, map.width, map.height);
 }
 

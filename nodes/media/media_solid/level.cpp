@@ -105,8 +105,8 @@ Level::Bits Level::bits_of(int phase, const Work& work) const {
 }
 
 void Level::set(Bits& bits, const Vec3i& at, bool in) const {
-  bits.along_x.set(static_cast<std::size_t>(at.z()) * size_.y() + at.y(), at.x(), in);
-  bits.along_y.set(static_cast<std::size_t>(at.z()) * size_.x() + at.x(), at.y(), in);
+  bits.along_x.set(pixel_at(at.y(), at.z(), size_.y()), at.x(), in);
+  bits.along_y.set(pixel_at(at.x(), at.z(), size_.x()), at.y(), in);
 }
 
 Vec3i Level::place(std::uint32_t voxel) const {

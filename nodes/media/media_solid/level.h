@@ -36,7 +36,7 @@ class Level {
 
   // Σ over targets, phases and patterns of (p − q)² / (q + q₀).
   double mismatch() const;
-  int tables() const { return static_cast<int>(tables_.size()); }  // targets times phases that count
+  std::size_t tables() const { return tables_.size(); }  // targets times phases that count
   std::vector<std::uint8_t> take() { return std::move(field_); }
 
  private:

@@ -85,7 +85,7 @@ Recommendation recommend(const Image& image, const Work& work) {
     return {false, "The gray levels of the picture do not separate phases."};
   }
   const double compact = compactness(found.map);
-  const int percent = static_cast<int>(100 * compact + 0.5);
+  const int percent = round_nearest(100 * compact);
   if (compact > kCompact)
     return {false,
             fmt::format("The picture has separate pieces that fill {} % of their convex hulls.", percent)};

@@ -6,13 +6,14 @@
 #include <functional>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::media {
 namespace {
 
 PhaseMap map_of(int side, const std::function<bool(int, int)>& in) {
   PhaseMap out{side, side, 2, 1, {}};
-  out.at.resize(static_cast<std::size_t>(side) * side);
+  out.at.resize(pixels_in(side, side));
   for (int y = 0; y < side; ++y)
     for (int x = 0; x < side; ++x) out.at[out.index(x, y)] = in(x, y);
   return out;
