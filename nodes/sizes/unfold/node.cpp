@@ -228,7 +228,7 @@ namespace terrazzo {
 
 NodeType unfold_node() {
   using namespace unfold;
-  return NodeType("Unfold", 10)
+  return NodeType("Unfold", 12)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections, or of the silhouettes that a surface shows. Each color class is unfolded separately; "
@@ -266,8 +266,8 @@ NodeType unfold_node() {
       .parameter(Parameter::optional_number("d_max", "auto")
                      .unit_("mm")
                      .range(1e-9, 1e9)
-                     .doc_("Size of the largest particle. auto: maximum-likelihood estimate, at least the "
-                           "size of the largest profile."))
+                     .doc_("Size of the largest particle. auto: the smallest that explains the profiles as "
+                           "well as any does, within a standard error."))
       .parameter(Parameter::number("area_fraction", 0)
                      .range(0, 1)
                      .doc_("Area fraction of the section that profiles cover. Used instead of the fraction "

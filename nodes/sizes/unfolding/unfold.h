@@ -65,9 +65,10 @@ KMatrix kmatrix_of(const KMatrix&, Types, std::size_t cls);
 // Whether color classes have different K matrices.
 bool depends_on_class(const KMatrix&, Types);
 
-// Maximum-likelihood size of the largest particle of all color classes, over multiples of the largest profile
-// from 1 to 1.6 in steps of 2 %. The largest profile itself underestimates it (errata 3 in docs/errata.md,
-// 2004 eq. 7).
+// Size of the largest particle of all color classes: the smallest multiple of the largest profile, from 1 to
+// 1.6 in steps of 2 %, whose log likelihood is within a standard error of the maximum. The likelihood rises
+// steeply and then stays flat, because particles that are too few to be seen cannot be excluded. The largest
+// profile itself underestimates it (errata 3 in docs/errata.md, 2004 eq. 7).
 double estimate_d_max(const Observations&, const KMatrix&, Types, int classes, double smallest_visible,
                       const Work&);
 

@@ -3,6 +3,7 @@
 
 #include "nodes/sizes/kmatrix/make_kmatrix.h"
 #include "nodes/sizes/unfolding/unfold.h"
+#include "nodes/study/unfold_study/sample_profiles.h"
 #include "tests/nodes/sizes/unfold/spheres.h"
 #include "tests/nodes/sizes/unfold/spheres_section.h"
 #include "tests/support/run_node.h"
@@ -90,16 +91,33 @@ TEST(Unfold, ByClassEveryClassHasItsOwnMatrix) {
 TEST(Unfold, ByClassTheLargestSizeFollowsEachClassesOwnMatrix) {
   KMatrix k = test::spheres<10>();
   const auto solid =
-      test::run_node("Shape", {}, {{"kind", "octahedron"}, {"size", "1"}}).outputs.at("shapes");
+      test::run_node("Shape", {}, {{"kind", "tetrahedron"}, {"size", "1"}}).outputs.at("shapes");
   k.shapes.push_back(make_kmatrix(solid.as<Shapes>(), {.orientations = 500}).shapes[0]);
   bool mixed_differs = false;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const Observations o = observe(section(5, 10, 0.001, 1e5, seed), Border::Weights, 0, 0);
+    const Observations o = observe(section(5, 10, 0.001, 1e4, seed), Border::Weights, 0, 0);
     const double alone = estimate_d_max(o, test::spheres<10>(), Types::Mixed, 10, 0, {});
     EXPECT_EQ(estimate_d_max(o, k, Types::ByClass, 10, 0, {}), alone);
     mixed_differs = mixed_differs || estimate_d_max(o, k, Types::Mixed, 10, 0, {}) != alone;
   }
   EXPECT_TRUE(mixed_differs);
+}
+
+// Sections of tetrahedra rarely come close to the largest one, so that profiles hardly limit the largest
+// size.
+TEST(Unfold, TheLargestSizeIsTheSmallestThatTheProfilesTellOf) {
+  const auto solid =
+      test::run_node("Shape", {}, {{"kind", "tetrahedron"}, {"size", "1"}}).outputs.at("shapes");
+  const KMatrix k = make_kmatrix(solid.as<Shapes>(), {.classes = 30, .orientations = 500});
+  SizeDistribution truth;
+  truth.class_edges = {0.5, 1};
+  truth.shapes = {{-1, 0, {1}, {1}, {1}}};
+  const unfold_study::TrueSizes sizes(truth);
+  const unfold_study::ProfileSampler sampler(sizes, k);
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const Observations o = observe(sampler.sample(1200, 1, seed, 0, {}), Border::All, 0.05, 0);
+    EXPECT_NEAR(estimate_d_max(o, k, Types::Mixed, 21, 0.05, {}), 1, 0.08) << seed;
+  }
 }
 
 }  // namespace
