@@ -111,7 +111,7 @@ namespace terrazzo {
 
 NodeType unfold_study_node() {
   using namespace unfold_study;
-  return NodeType("UnfoldStudy", 5)
+  return NodeType("UnfoldStudy", 6)
       .doc_(
           "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "
           "show and unfolds them with every method, many times. All methods see the same profiles. Settings "
