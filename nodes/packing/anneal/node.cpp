@@ -60,7 +60,7 @@ namespace terrazzo {
 
 NodeType anneal_node() {
   using namespace anneal;
-  NodeType type("Anneal", 10);
+  NodeType type("Anneal", 11);
   type.doc_(
           "Packs particles of given sizes and shapes into a periodic box without overlap. Particles grow at "
           "random positions while overlaps of their true surfaces are relaxed and jams are agitated. An "

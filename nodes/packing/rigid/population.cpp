@@ -146,23 +146,33 @@ double sum_of_densities(const std::vector<Cell>& cells) {
   return sum;
 }
 
-// Leaves the smallest size classes to the binder until the smallest box in which the largest particle fits
-// holds no more than `count` or kMostEnlarged particles. A class is left out as a whole; the largest stays.
+// Leaves the smallest particles to the binder until the smallest box in which the largest particle fits holds
+// no more than `count` or kMostKept particles: as many of a class as necessary, and then those of the next.
+// Class by class, all but the largest may be left out as a whole.
 void leave_out_smallest(std::vector<Cell>& cells, const SizeDistribution& d, const PopulationOptions& o,
                         double least, Population& out) {
-  const double most = std::max<double>(o.count, kMostEnlarged), volume = least * least * least;
+  const double volume = least * least * least;
+  const double most = std::max<double>(o.count, kMostKept) / volume;
   const double before = sum_of_densities(cells);
-  while (sum_of_densities(cells) * volume > most && cells.front().cls > cells.back().cls) {
+  while (sum_of_densities(cells) > most && cells.front().cls > cells.back().cls) {
     const int cls = cells.back().cls;
-    for (; cells.back().cls == cls; cells.pop_back())
-      out.left_out_fraction += cells.back().density * cells.back().mean_volume;
+    const auto first = std::find_if(cells.begin(), cells.end(), [&](const Cell& c) { return c.cls == cls; });
+    const std::vector<Cell> smallest(first, cells.end());
+    cells.erase(first, cells.end());
+    const double kept = std::max(0.0, (most - sum_of_densities(cells)) / sum_of_densities(smallest));
+    for (Cell c : smallest) {
+      out.left_out_fraction += (1 - kept) * c.density * c.mean_volume;
+      c.density *= kept;
+      if (kept > 0) cells.push_back(c);
+    }
     out.left_out_size = d.class_edges[cls + 1];
+    if (kept > 0) break;
   }
   if (out.left_out_fraction > 0)
     out.notes.push_back(fmt::format(
-        "particles smaller than {:.4g} mm, {:.3g} of the volume, are left to the binder: a box in which the "
-        "largest particle fits would hold {:.3g} particles with them, {:.3g} without; to keep them, set "
-        "`count` to {:.3g} or more",
+        "particles smaller than {:.4g} mm that would fill {:.3g} of the volume are left to the binder: a box "
+        "in which the largest particle fits would hold {:.3g} particles with them, {:.3g} without; to keep "
+        "them, set `count` to {:.3g} or more",
         out.left_out_size, out.left_out_fraction, before * volume, sum_of_densities(cells) * volume,
         std::ceil(before * volume)));
 }

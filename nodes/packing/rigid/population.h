@@ -30,6 +30,9 @@ struct PopulationOptions {
 // An automatic box is made larger than for `count` particles, so that it shows many of the largest ones, as
 // long as it holds at most this many particles in all and at most ten times `count`.
 inline constexpr double kMostEnlarged = 2500;
+// If even the smallest box in which the largest particle fits would hold more than this and `count`, the
+// smallest particles are left out.
+inline constexpr double kMostKept = 5000;
 double most_enlarged(const PopulationOptions&);
 
 struct Population {
@@ -40,7 +43,7 @@ struct Population {
   double start_shrink = 1;        // factor by which the kept ones were smaller in `start`; see shrunk_start.h
   std::vector<int> size_class;    // of each particle
   double requested_fraction = 0;  // Σ N_V·V
-  double left_out_fraction = 0;   // the part of it in size classes that are left to the binder
+  double left_out_fraction = 0;   // the part of it in particles that are left to the binder
   double left_out_size = 0;       // mm: they are smaller than this
   double target_fraction = 0;     // the rest: what the particles are to fill
   double fraction = 0;            // volume fraction of the particles

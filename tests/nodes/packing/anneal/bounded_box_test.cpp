@@ -32,12 +32,12 @@ bool mentions(const std::vector<std::string>& notes, const std::string& text) {
                      [&](const std::string& n) { return n.find(text) != std::string::npos; });
 }
 
-TEST(BoundedBox, HoldsAtMostFourThousandParticlesUnlessMoreAreAskedFor) {
+TEST(BoundedBox, HoldsAtMostFiveThousandParticlesUnlessMoreAreAskedFor) {
   const auto shapes = test::shapes_of({test::ellipsoid(2)});
   for (const double range : {2.0, 10.0, 35.0, 200.0, 3000.0}) {
     const Population p = populate(wide(range, 0.6), shapes, nullptr, {});
-    EXPECT_LE(p.particles.count(), 4100u) << range;
-    EXPECT_GT(p.particles.count(), range < 30 ? 1800u : 300u) << range;
+    EXPECT_LE(p.particles.count(), 5100u) << range;
+    EXPECT_GT(p.particles.count(), p.left_out_fraction > 0 ? 4900u : 1800u) << range;
     EXPECT_GT(p.particles.box[0], 1.4 * range);
     EXPECT_NEAR(p.requested_fraction, 0.6, 1e-9);
     EXPECT_NEAR(p.target_fraction + p.left_out_fraction, 0.6, 1e-9);
@@ -47,14 +47,22 @@ TEST(BoundedBox, HoldsAtMostFourThousandParticlesUnlessMoreAreAskedFor) {
   }
 }
 
-TEST(BoundedBox, TheSmallestClassesAreLeftToTheBinderAndNamed) {
+TEST(BoundedBox, TheSmallestParticlesAreLeftToTheBinderAndNamed) {
   const auto shapes = test::shapes_of({test::ellipsoid(2)});
   const SizeDistribution d = wide(60, 0.6);
   const Population few = populate(d, shapes, nullptr, {});
   EXPECT_GT(few.left_out_fraction, 0);
   EXPECT_TRUE(mentions(few.notes, "are left to the binder"));
-  const double smallest = *std::min_element(few.particles.size.begin(), few.particles.size.end());
-  EXPECT_GE(smallest, few.left_out_size * (1 - 1e-9));
+  // Larger ones keep their proportions; of the class below, as many as there is room for stay.
+  const auto& asked = d.shapes[0].N_V;
+  const double scale = few.expected.back() / asked.back();
+  for (std::size_t k = 0; k < asked.size(); ++k)
+    if (d.class_edges[k + 1] > few.left_out_size * (1 + 1e-9))
+      EXPECT_NEAR(few.expected[k], scale * asked[k], 1e-6 * scale * asked[k]) << k;
+    else if (d.class_edges[k + 1] < few.left_out_size * (1 - 1e-9))
+      EXPECT_EQ(few.expected[k], 0) << k;
+    else
+      EXPECT_LT(few.expected[k], scale * asked[k]) << k;
   PopulationOptions more;
   more.count = 100000;
   EXPECT_EQ(populate(d, shapes, nullptr, more).left_out_fraction, 0);
