@@ -231,11 +231,19 @@ std::vector<double> outline_curvature(const std::vector<Vec2>& p) {
   return turns;
 }
 
-OutlineFeatures outline_features(const Loop& loop, const OutlineMeasuring& how) {
-  OutlineFeatures f;
-  if (loop.size() < 3) return f;
+std::vector<Vec2> measured_points(const Loop& loop, const OutlineMeasuring& how) {
+  if (loop.size() < 3) return {};
   Points p = resampled_loop(loop, how.points);
-  if (how.blur > 0) p = blurred(p, how.blur * how.points);
+  return how.blur > 0 ? blurred(p, how.blur * how.points) : p;
+}
+
+OutlineFeatures outline_features(const Loop& loop, const OutlineMeasuring& how) {
+  return outline_features_of(measured_points(loop, how));
+}
+
+OutlineFeatures outline_features_of(const std::vector<Vec2>& p) {
+  OutlineFeatures f;
+  if (p.empty()) return f;
   const Moments m = moments_of(p);
   if (!(m.area > 0) || !(m.longer > 0)) return f;
   double length = 0;

@@ -48,8 +48,13 @@ std::vector<Vec2> resampled_loop(const Loop&, int points);
 // of meshes.
 double pixel_step(const Loop&);
 
-// Features of a simple counterclockwise loop; all zero if it has no area.
+// The points at which a loop is measured: evenly spaced, and blurred.
+std::vector<Vec2> measured_points(const Loop&, const OutlineMeasuring&);
+
+// Features of a simple counterclockwise loop; all zero if it has no area. outline_features_of: of its
+// measured points.
 OutlineFeatures outline_features(const Loop&, const OutlineMeasuring& = {});
+OutlineFeatures outline_features_of(const std::vector<Vec2>& measured);
 
 // Turning angle over 1/32 of the outline at each of the resampled points, relative to the circle of equal
 // length: the distribution of curvature along the outline.

@@ -9,12 +9,12 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// Just visible differences in the order of OutlineFeature, used as the smallest unit.
-constexpr std::array<double, kOutlineFeatures + 1> kLeastSpread{0.0012, 0.12,  0.03, 0.006, 4,    0.7,
-                                                                0.02,   0.015, 0.1,  0.05,  0.15, 0.1};
+// Just visible differences in the order of ProfileFeatures, used as the smallest unit; the last is of sizes.
+constexpr std::array<double, kFeatures + 1> kLeastSpread{0.0012, 0.12, 0.03, 0.006, 4,    0.7,  0.02, 0.015,
+                                                         0.1,    0.05, 0.15, 0.02,  0.02, 0.01, 0.1};
 // The features that people notice first have the largest weights.
-constexpr std::array<double, kOutlineFeatures + 1> kImportance{1.5, 1.5, 1,   1,   1,   0.5,
-                                                               0.7, 0.5, 0.5, 0.5, 0.5, 0};
+constexpr std::array<double, kFeatures + 1> kImportance{1.5, 1.5, 1,   1, 1, 0.5, 0.7, 0.5,
+                                                        0.5, 0.5, 0.5, 1, 1, 1,   0};
 
 // Weight of the means' Mahalanobis distance. Weight of area-weighted means for particles of one size: large
 // sections are the random sections that are closest to central ones.
@@ -30,7 +30,7 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
   scale_.fill(1);
   const auto raw = standard(observed);
   importance_ = kImportance;
-  if (sizes) importance_[kOutlineFeatures] = 1;
+  if (sizes) importance_[kFeatures] = 1;
   for (std::size_t k = 0; k < kAxes; ++k) {
     double mean = 0, square = 0;
     for (std::size_t i = 0; i < raw.size(); ++i) mean += observed.weight[i] * raw[i][k] / total;
@@ -51,14 +51,14 @@ FeatureTarget::FeatureTarget(const FeatureSample& observed, bool sizes, std::uin
     directions_.push_back(p);
   }
   const auto points = standard(observed);
-  using Matrix = Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures>;
+  using Matrix = Eigen::Matrix<double, kFeatures, kFeatures>;
   Matrix covariance = Matrix::Zero();
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Eigen::Map<const Eigen::Matrix<double, kOutlineFeatures, 1>> x(points[i].data());
+    const Eigen::Map<const Eigen::Matrix<double, kFeatures, 1>> x(points[i].data());
     covariance += observed.weight[i] / total * x * x.transpose();
   }
   // Differences below visibility should not matter, and the covariance of a sample is uncertain.
-  for (std::size_t k = 0; k < kOutlineFeatures; ++k) {
+  for (std::size_t k = 0; k < kFeatures; ++k) {
     const Eigen::Index i = k;
     covariance(i, i) = 1.1 * covariance(i, i) + std::pow(kLeastSpread[k] * scale_[k], 2);
   }
@@ -86,9 +86,9 @@ std::vector<FeatureTarget::Point> FeatureTarget::standard(const FeatureSample& s
   for (std::size_t i = 0; i < s.weight.size(); ++i) mean += s.weight[i] * s.root_area[i] / total;
   std::vector<Point> out(s.features.size());
   for (std::size_t i = 0; i < out.size(); ++i) {
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+    for (std::size_t k = 0; k < kFeatures; ++k)
       out[i][k] = (s.features[i].values[k] - center_[k]) * scale_[k];
-    out[i][kOutlineFeatures] = (s.root_area[i] / mean - center_[kOutlineFeatures]) * scale_[kOutlineFeatures];
+    out[i][kFeatures] = (s.root_area[i] / mean - center_[kFeatures]) * scale_[kFeatures];
   }
   return out;
 }
@@ -112,12 +112,12 @@ std::vector<std::pair<double, double>> FeatureTarget::along(const std::vector<Po
 }
 
 Eigen::VectorXd FeatureTarget::means_by_area(const std::vector<Point>& points, const FeatureSample& s) const {
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(kOutlineFeatures);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(kFeatures);
   double total = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double w = s.weight[i] * s.root_area[i] * s.root_area[i];
     total += w;
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k) sum[k] += w * std::clamp(points[i][k], -6.0, 6.0);
+    for (std::size_t k = 0; k < kFeatures; ++k) sum[k] += w * std::clamp(points[i][k], -6.0, 6.0);
   }
   return sum / total;
 }
@@ -130,20 +130,19 @@ Eigen::VectorXd FeatureTarget::residuals(const FeatureSample& s) const {
   if (s.features.empty()) return {};
   constexpr Eigen::Index kEach = kQuantiles + 1;
   constexpr Eigen::Index kAll = (kAxes + kDirections) * kEach;
-  constexpr Eigen::Index kFeatures = kOutlineFeatures;
   Eigen::VectorXd out = Eigen::VectorXd::Zero(kAll + 2 * kFeatures);
   const auto points = standard(s);
   const double total = total_weight(s);
-  Eigen::Matrix<double, kOutlineFeatures, 1> mean = Eigen::Matrix<double, kOutlineFeatures, 1>::Zero();
+  Eigen::Matrix<double, kFeatures, 1> mean = Eigen::Matrix<double, kFeatures, 1>::Zero();
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+    for (std::size_t k = 0; k < kFeatures; ++k)
       mean[k] += s.weight[i] / total * std::clamp(points[i][k], -6.0, 6.0);
   out.segment(kAll, kFeatures) = std::sqrt(kToldByMeans) * (whitening_ * mean);
   double importance = 0;
   for (const double w : importance_) importance += w;
   if (sizes_) {
     out.tail(kFeatures) = means_by_area(points, s) - observed_by_area_;
-    for (std::size_t k = 0; k < kOutlineFeatures; ++k)
+    for (std::size_t k = 0; k < kFeatures; ++k)
       out[kAll + kFeatures + k] *= std::sqrt(kByArea * importance_[k] / importance);
   }
   for (std::size_t a = 0; a < kAxes + kDirections; ++a) {

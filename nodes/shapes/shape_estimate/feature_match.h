@@ -38,7 +38,7 @@ class FeatureTarget {
   double mean_root_area() const { return mean_root_area_; }
 
  private:
-  static constexpr std::size_t kAxes = kOutlineFeatures + 1, kDirections = 20, kQuantiles = 48;
+  static constexpr std::size_t kAxes = kFeatures + 1, kDirections = 20, kQuantiles = 48;
   using Point = std::array<double, kAxes>;
   std::vector<Point> standard(const FeatureSample&) const;
   std::vector<std::pair<double, double>> along(const std::vector<Point>&, const std::vector<double>& weight,
@@ -53,7 +53,7 @@ class FeatureTarget {
   std::vector<Point> directions_;
   std::vector<std::array<double, kQuantiles>> quantiles_;  // axes, then directions
   std::vector<double> observed_;
-  Eigen::Matrix<double, kOutlineFeatures, kOutlineFeatures> whitening_;  // whitens differences of means
+  Eigen::Matrix<double, kFeatures, kFeatures> whitening_;  // whitens differences of means
 };
 
 }  // namespace terrazzo::shape_estimate

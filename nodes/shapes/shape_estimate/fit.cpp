@@ -29,7 +29,9 @@ constexpr int kPoints = 128;  // as in ShapeMetrics
 // Blur of outlines, relative to their length: hides the triangles of a body and of an original, and what
 // segmentation does to an outline. In addition, a multiple of the smoothing that pixel steps need.
 constexpr double kMeshBlur = 0.0045, kFrayBlur = 0.009, kPixelBlur = 1.5;
-constexpr std::size_t kGuesses = 96;  // number of modeled starting bodies
+// The part of it that pixels and segmentation cause, in pixel steps.
+constexpr double kPixel = 0.55;
+constexpr int kGuesses = 96;  // number of starting bodies of each modeled family
 
 struct Start {
   Mesh mesh;
@@ -47,7 +49,8 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
   std::vector<Task> tasks;
   for (std::size_t h = 0; h < std::min(kHands, request.hands.size()); ++h)
     for (const auto& m : estimate_methods()) {
-      if (!m.run || m.lies || request.hands[h].size() < m.least) continue;
+      // Extruded silhouettes touch themselves; polyhedra are as sharp.
+      if (!m.run || m.lies || m.silhouettes || request.hands[h].size() < m.least) continue;
       for (const char* axis : {"short", "long"}) {
         const bool turns = m.name.find("cylinder") != std::string::npos;
         if (turns || axis[0] == 's') tasks.push_back({h, &m, axis});
@@ -61,8 +64,7 @@ std::vector<Start> starting_bodies(const FitRequest& request, const Work& work) 
       r.all = request.all;
       r.index = tasks[i].hand;
       r.seed = request.seed;
-      // Omit fine detail of silhouettes, which extrusion would turn into ridges.
-      r.subdivision = tasks[i].method->silhouettes ? -1 : 1;
+      r.subdivision = 1;
       r.axis = tasks[i].axis;
       try {
         Mesh mesh = tasks[i].method->run(r, work.quiet()).mesh;
@@ -141,15 +143,14 @@ std::vector<double> shares_of(const FeatureTarget& target, const std::vector<Fea
 
 // The profiles, and how their outlines and those of sections of bodies are measured alike.
 struct Observation {
-  OutlineMeasuring measuring;
-  double blur = 0;
+  ProfileMeasuring measuring;
   std::vector<double> sizes;  // root areas of all profiles
   FeatureSample sample;       // of the profiles that are not excluded
 };
 
 Observation observe(const std::vector<Outline>& all) {
   Observation observed;
-  observed.measuring.points = kPoints;
+  observed.measuring.outline.points = kPoints;
   std::vector<double> blurs, convexity;
   for (const Outline& o : all) {
     blurs.push_back(o.blur);
@@ -160,18 +161,16 @@ Observation observe(const std::vector<Outline>& all) {
   // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
   // merged ones.
   const double blur = kPixelBlur * median(std::move(blurs));
-  observed.blur = blur;
-  observed.measuring.blur = blur > 0 ? kFrayBlur : kMeshBlur;
+  observed.measuring.blur = blur;
+  observed.measuring.pixel = kPixel / (kPixelBlur * kSmoothing) * blur;
+  observed.measuring.outline.blur = blur > 0 ? kFrayBlur : kMeshBlur;
   std::sort(convexity.begin(), convexity.end());
   const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];
   const double least_convex = blur > 0 ? lower - 3 * (upper - lower) : 0;
 
   for (const Outline& o : all) {
     if (o.convexity < least_convex) continue;
-    OutlineMeasuring seen = observed.measuring;
-    const double more = std::sqrt(std::max(0.0, blur * blur - o.blur * o.blur));
-    seen.blur = std::min(0.05, std::hypot(observed.measuring.blur, more / o.perimeter));
-    const OutlineFeatures f = outline_features(o.soft.empty() ? o.points : o.soft, seen);
+    const ProfileFeatures f = profile_features(o, observed.measuring);
     if (f[OutlineFeature::Circularity] <= 0) continue;
     observed.sample.features.push_back(f);
     observed.sample.root_area.push_back(std::sqrt(o.area));
@@ -192,14 +191,13 @@ std::vector<CutProfile> shown(const Mesh& mesh, std::size_t planes, bool from_ab
 
 // Sections of bodies, as the profiles would show them.
 struct SectionSampling {
-  OutlineMeasuring measuring;
-  double blur;
+  ProfileMeasuring measuring;
   SizeSelection selection;
   bool from_above;
 
   FeatureSample measure(std::vector<CutProfile> sections) const {
     selection.apply(sections);
-    return measured(sections, measuring, blur);
+    return measured(sections, measuring);
   }
   FeatureSample sample(const Mesh& mesh, std::size_t planes) const {
     return measure(shown(mesh, planes, from_above));
@@ -215,20 +213,32 @@ void sort_starts(std::vector<Start>& starts, std::vector<std::vector<CutProfile>
                    [](const Start& a, const Start& b) { return a.distance < b.distance; });
 }
 
-// Samples of the modeled starting bodies.
-std::vector<FeatureSample> sample_guesses(const SectionSampling& sampling, std::size_t planes,
-                                          std::uint64_t seed, const Work& work) {
-  std::vector<FeatureSample> guesses(kGuesses);
-  work.parallel(kGuesses, 1, [&](std::size_t begin, std::size_t end) {
+enum class FamilyKind { Deformed, Faceted, Modeled };
+
+// A modeled starting body.
+struct Guess {
+  FamilyKind kind;
+  int number;
+  FeatureSample sample;  // empty: used before
+
+  std::unique_ptr<BodyFamily> family(std::uint64_t seed) const {
+    return kind == FamilyKind::Faceted ? faceted_bodies(seed, number) : modeled_bodies(seed, number);
+  }
+};
+
+std::vector<Guess> make_guesses(const SectionSampling& sampling, std::size_t planes, std::uint64_t seed,
+                                const Work& work) {
+  std::vector<Guess> guesses;
+  for (const FamilyKind kind : {FamilyKind::Modeled, FamilyKind::Faceted})
+    for (int i = 0; i < kGuesses; ++i) guesses.push_back({kind, i, {}});
+  work.parallel(guesses.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto family = modeled_bodies(seed, i);
-      guesses[i] = sampling.sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
+      const auto family = guesses[i].family(seed);
+      guesses[i].sample = sampling.sample(family->body(Eigen::VectorXd::Zero(family->dimensions())), planes);
     }
   });
   return guesses;
 }
-
-enum class FamilyKind { Deformed, Cut, Modeled };
 
 // A search within one family of bodies.
 struct FamilySearch {
@@ -243,7 +253,7 @@ struct FamilySearch {
 class BodySearch {
  public:
   BodySearch(const FitRequest& request, const FeatureTarget& target, const SectionSampling& sampling,
-             std::size_t planes, const std::vector<Start>& starts, std::vector<FeatureSample> guesses)
+             std::size_t planes, const std::vector<Start>& starts, std::vector<Guess> guesses)
       : request_(request),
         target_(target),
         sampling_(sampling),
@@ -266,9 +276,10 @@ class BodySearch {
         [](const FamilySearch& a, const FamilySearch& b) { return a.at.value < b.at.value; });
     improve(best, k, request_.rounds, 0.25, planes_, work, work.part(0.5, 1));
     if (k == 0) first_kind_ = best.kind;
-    // Do not start from the same modeled body again.
-    if (best.guess >= 0) guesses_[best.guess] = {};
-    FittedBody body{simple_body(*best.family, best.at.x, work), 0, best.kind != FamilyKind::Cut, best.from};
+    // Do not start from the same guess again.
+    if (best.guess >= 0) guesses_[best.guess].sample = {};
+    FittedBody body{simple_body(*best.family, best.at.x, work), 0, best.kind != FamilyKind::Faceted,
+                    best.from};
     // All bodies so far have equal shares of the profiles.
     const FeatureSample own = with_share(sampling_.sample(body.mesh, planes_), 1.0 / (k + 2));
     for (double& w : before_.weight) w *= (k + 1.0) / (k + 2);
@@ -281,19 +292,15 @@ class BodySearch {
   std::vector<FamilySearch> promising(int k) const {
     std::vector<FamilySearch> searches;
     if (k == 0) {
-      for (std::size_t s = 0; s < std::min<std::size_t>(starts_.size(), 3); ++s)
+      for (std::size_t s = 0; s < std::min<std::size_t>(starts_.size(), 2); ++s)
         searches.push_back(deformed(s, k));
-      searches.push_back(polyhedron(0, k));
-      add_modeled(2, k, searches);
+      add_guesses(FamilyKind::Faceted, 2, k, searches);
     } else if (first_kind_ == FamilyKind::Deformed) {
       searches.push_back(deformed(k, k));
-      add_modeled(1, k, searches);
-    } else if (first_kind_ == FamilyKind::Cut) {
-      searches.push_back(polyhedron(k, k));
-      add_modeled(1, k, searches);
     } else {
-      add_modeled(2, k, searches);
+      add_guesses(FamilyKind::Faceted, 1, k, searches);
     }
+    add_guesses(FamilyKind::Modeled, 1, k, searches);
     return searches;
   }
 
@@ -302,21 +309,20 @@ class BodySearch {
     return {deformed_bodies(start.mesh, request_.seed + k), start.from, FamilyKind::Deformed, {}, -1};
   }
 
-  FamilySearch polyhedron(std::size_t i, int k) const {
-    const Start& start = starts_[i % starts_.size()];
-    return {cut_bodies(start.mesh, request_.seed + k), start.from + ", cut", FamilyKind::Cut, {}, -1};
-  }
-
-  // Adds the `most` modeled bodies that are closest to the profiles.
-  void add_modeled(std::size_t most, int k, std::vector<FamilySearch>& searches) const {
+  // Adds the `most` guesses of a family that are closest to the profiles.
+  void add_guesses(FamilyKind kind, std::size_t most, int k, std::vector<FamilySearch>& searches) const {
     std::vector<std::pair<double, int>> order;
-    for (std::size_t g = 0; g < kGuesses; ++g)
-      if (!guesses_[g].features.empty())
-        order.emplace_back(target_.distance(with_those_before(guesses_[g], k)), static_cast<int>(g));
+    for (std::size_t g = 0; g < guesses_.size(); ++g)
+      if (guesses_[g].kind == kind && !guesses_[g].sample.features.empty())
+        order.emplace_back(target_.distance(with_those_before(guesses_[g].sample, k)), static_cast<int>(g));
     std::sort(order.begin(), order.end());
     for (std::size_t i = 0; i < std::min(most, order.size()); ++i) {
-      const int guess = order[i].second;
-      searches.push_back({modeled_bodies(request_.seed, guess), "a ball", FamilyKind::Modeled, {}, guess});
+      const Guess& guess = guesses_[order[i].second];
+      searches.push_back({guess.family(request_.seed),
+                          kind == FamilyKind::Faceted ? "a polyhedron" : "a ball",
+                          kind,
+                          {},
+                          order[i].second});
     }
   }
 
@@ -348,7 +354,7 @@ class BodySearch {
   const SectionSampling& sampling_;
   std::size_t planes_;
   const std::vector<Start>& starts_;
-  std::vector<FeatureSample> guesses_;
+  std::vector<Guess> guesses_;
   FeatureSample before_;                          // of the bodies found
   FamilyKind first_kind_ = FamilyKind::Deformed;  // family that won for the first body
 };
@@ -401,7 +407,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
   work.part(0.05, 0.08).parallel(starts.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) started[i] = shown(starts[i].mesh, planes, request.from_above);
   });
-  const SectionSampling sampling{observed.measuring, observed.blur,
+  const SectionSampling sampling{observed.measuring,
                                  request.one_size ? SizeSelection(request.smallest, target.mean_root_area())
                                                   : SizeSelection(observed.sizes, started),
                                  request.from_above};
@@ -409,8 +415,9 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
 
   Fit fit;
   fit.start = starts[0].distance;
-  BodySearch search(request, target, sampling, planes, starts,
-                    sample_guesses(sampling, planes, request.seed, work.part(0.08, 0.15)));
+  BodySearch search(
+      request, target, sampling, planes, starts,
+      make_guesses(sampling, std::min(planes, kLeastPlanes), request.seed, work.part(0.08, 0.15)));
   for (int k = 0; k < request.count; ++k) {
     const double from = 0.15 + 0.83 * k / request.count;
     fit.bodies.push_back(search.next(k, work.part(from, from + 0.83 / request.count)));

@@ -13,7 +13,7 @@
 namespace terrazzo::shape_estimate {
 
 struct FitRequest {
-  // Groups of profiles from which the other methods build starting bodies.
+  // Groups of profiles from which other methods build starting bodies.
   std::vector<std::vector<Outline>> hands;
   const std::vector<Outline>* all = nullptr;
   int count = 3;          // number of bodies
@@ -43,12 +43,12 @@ struct Fit {
   double distance = 0;  // distance of the mixture of bodies
 };
 
-// Each body starts from one of the best bodies that the other four methods build from the hands, or from a
-// modeled body. Least squares deforms it (body_family.h) until its sections, together with those of the
-// previous bodies, are distributed like the profiles in circularity, total curvature, aspect ratio,
-// convexity, corners, symmetry and curvature, individually and jointly (feature_match.h). Shares then follow
-// from the distribution functions by least squares. Bodies with a share below 0.1 % are dropped. Throws Error
-// "no-start" if no method can build a body.
+// Each body starts from one of the best bodies that cylinders and spherical harmonics build from the hands,
+// from a modeled body or from a polyhedron. Least squares deforms it (body_family.h) until its sections,
+// together with those of the previous bodies, are distributed like the profiles in circularity, total
+// curvature, aspect ratio, convexity, corners, symmetry, curvature and inscribed polygons, individually and
+// jointly (feature_match.h). Shares then follow from the distribution functions by least squares. Bodies with
+// a share below 0.1 % are dropped. Throws Error "no-start" if no method can build a body.
 Fit fit_bodies(const FitRequest&, const Work& = {});
 
 }  // namespace terrazzo::shape_estimate

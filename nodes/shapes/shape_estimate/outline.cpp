@@ -263,7 +263,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
     std::vector<double> steps;
     for (std::size_t i = 0; i < p.size(); ++i) steps.push_back((p[(i + 1) % p.size()] - p[i]).norm());
     std::sort(steps.begin(), steps.end());
-    const double sigma = 1.2 * steps[steps.size() / 2];
+    const double sigma = kSmoothing * steps[steps.size() / 2];
     // Pixel steps have equal length; sections of meshes also have long steps.
     const bool even = steps[steps.size() - 1 - steps.size() / 50] < 2 * steps[steps.size() / 2];
     const std::size_t n = std::max(kPoints, 2 * p.size());
@@ -271,6 +271,7 @@ Outline make_outline(int id, const std::vector<Vec2>& contour, double crease) {
     // Pixel steps turn back and forth; a curve that is sampled but not stepped turns no more
     // than its smoothed version.
     if (even && total_turn(p) > 1.25 * total_turn(soft) && outline_fault(soft).empty()) {
+      o.traced = std::move(p);
       p = resampled(soft, kPoints);
       blur = sigma;
     }

@@ -9,6 +9,9 @@
 
 namespace terrazzo::shape_estimate {
 
+// Pixel steps are smoothed by a Gaussian of this standard deviation, in median point distances.
+inline constexpr double kSmoothing = 1.2;
+
 // A closed simple curve about its centroid, with the long principal axis of its area along x (Jagnow et
 // al. 2008, section 3.2).
 struct Outline {
@@ -23,6 +26,7 @@ struct Outline {
   double aspect = 0;             // height / width
   double convexity = 0;          // area / area of the convex hull
   int corners = 0;               // number of turns of at least `crease`, in either direction
+  std::vector<Vec2> traced;      // as given, with its pixel steps; empty if not smoothed
   std::vector<Vec2> soft;  // after smoothing, before tips of corners were restored; empty if not smoothed
   // In the photograph: the place of the centroid, mm, and the angle of the curve's x axis, radians. Not kept
   // by mirroring and turning.

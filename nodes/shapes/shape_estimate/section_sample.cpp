@@ -10,6 +10,25 @@
 #include "nodes/common/stereology/random_sections.h"
 
 namespace terrazzo::shape_estimate {
+namespace {
+
+// Features of an outline that is blurred by `more`, and inscribed shares of one that is as sharp as the
+// photograph, blurred by `pixel`; both relative to its length.
+ProfileFeatures features_of(const Loop& soft, OutlineMeasuring how, double more, const Loop& sharp,
+                            double pixel) {
+  constexpr double kMost = 0.05;  // as OutlineMeasuring allows
+  how.blur = std::min(kMost, std::hypot(how.blur, more));
+  const OutlineFeatures outline = outline_features(soft, how);
+  // Areas need fewer points than curvatures.
+  const auto shares =
+      inscribed_shares(measured_points(sharp, {.points = how.points / 2, .blur = std::min(kMost, pixel)}));
+  ProfileFeatures f;
+  std::copy(outline.values.begin(), outline.values.end(), f.values.begin());
+  std::copy(shares.begin(), shares.end(), f.values.begin() + kOutlineFeatures);
+  return f;
+}
+
+}  // namespace
 
 std::vector<CutProfile> cut_sections(const Mesh& mesh, std::size_t planes, std::size_t first) {
   std::vector<CutProfile> out;
@@ -53,15 +72,20 @@ void drop_small(std::vector<CutProfile>& sections, double smallest) {
   std::erase_if(sections, [&](const CutProfile& s) { return s.root_area < smallest * large; });
 }
 
+ProfileFeatures profile_features(const Outline& o, const ProfileMeasuring& how) {
+  const double more = std::sqrt(std::max(0.0, how.blur * how.blur - o.blur * o.blur));
+  return features_of(o.soft.empty() ? o.points : o.soft, how.outline, more / o.perimeter,
+                     o.traced.empty() ? o.points : o.traced, 0);
+}
+
 double total_weight(const FeatureSample& s) { return std::accumulate(s.weight.begin(), s.weight.end(), 0.0); }
 
-FeatureSample measured(const std::vector<CutProfile>& sections, const OutlineMeasuring& how, double blur) {
-  constexpr double kMost = 0.05;  // as OutlineMeasuring allows
+FeatureSample measured(const std::vector<CutProfile>& sections, const ProfileMeasuring& how) {
   FeatureSample out;
   for (const CutProfile& s : sections) {
-    OutlineMeasuring seen = how;
-    if (s.scale > 0) seen.blur = std::min(kMost, std::hypot(how.blur, blur / (s.perimeter * s.scale)));
-    const OutlineFeatures f = outline_features(s.loop, seen);
+    const double length = s.perimeter * s.scale;  // mm
+    const ProfileFeatures f = features_of(s.loop, how.outline, length > 0 ? how.blur / length : 0, s.loop,
+                                          length > 0 ? how.pixel / length : 0);
     if (f[OutlineFeature::Circularity] <= 0) continue;
     out.features.push_back(f);
     out.root_area.push_back(s.root_area);

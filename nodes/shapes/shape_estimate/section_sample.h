@@ -2,9 +2,12 @@
 // between them are not random.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "nodes/common/stereology/outline_features.h"
+#include "nodes/shapes/shape_estimate/inscribed.h"
+#include "nodes/shapes/shape_estimate/outline.h"
 #include "runtime/work.h"
 
 namespace terrazzo::shape_estimate {
@@ -26,17 +29,33 @@ std::vector<CutProfile> cut_sections(const Mesh&, std::size_t planes, std::size_
 // as candidates_of does with observed profiles.
 void drop_small(std::vector<CutProfile>&, double smallest);
 
+// What is compared of an outline: its OutlineFeatures, then its inscribed_shares.
+inline constexpr std::size_t kFeatures = kOutlineFeatures + kInscribed.size();
+struct ProfileFeatures {
+  std::array<double, kFeatures> values{};
+  double operator[](OutlineFeature f) const { return values[static_cast<std::size_t>(f)]; }
+};
+
+// How the profiles of a photograph are measured, and sections of bodies like them.
+struct ProfileMeasuring {
+  OutlineMeasuring outline;
+  // Standard deviations, mm. blur: of all smoothing of the profiles, of which a Gaussian blur of the outline
+  // hides the rest. pixel: the part that the photograph itself has, without the smoothing of pixel steps.
+  double blur = 0, pixel = 0;
+};
+ProfileFeatures profile_features(const Outline&, const ProfileMeasuring&);
+
 // Profiles of isotropic uniform random planes. Each represents `weight` profiles.
 struct FeatureSample {
-  std::vector<OutlineFeatures> features;
+  std::vector<ProfileFeatures> features;
   std::vector<double> root_area;  // √area, in the units of the sections
   std::vector<double> weight;
 };
 
 double total_weight(const FeatureSample&);
 
-// Measures sections. Outlines of sections with a scale are also blurred by `blur`, mm, as a photograph of
-// that scale blurs them. Omits sections without area.
-FeatureSample measured(const std::vector<CutProfile>&, const OutlineMeasuring&, double blur = 0);
+// Measures sections. Outlines of sections with a scale are blurred as a photograph of that scale blurs them.
+// Omits sections without area.
+FeatureSample measured(const std::vector<CutProfile>&, const ProfileMeasuring&);
 
 }  // namespace terrazzo::shape_estimate

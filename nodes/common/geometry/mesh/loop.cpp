@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/common/geometry/mesh/loop_hull.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,8 +65,8 @@ bool loop_contains(const Loop& loop, const Vec2& p) {
 }
 
 // Monotone chains (Andrew 1979).
-double hull_area(Loop points) {
-  if (points.size() < 3) return 0;
+Loop hull_of(Loop points) {
+  if (points.size() < 3) return {};
   sort_by_x(points);
   Loop hull;
   for (int side = 0; side < 2; ++side) {
@@ -79,7 +79,9 @@ double hull_area(Loop points) {
     hull.pop_back();
     std::reverse(points.begin(), points.end());
   }
-  return loop_area(hull);
+  return hull;
 }
+
+double hull_area(Loop points) { return loop_area(hull_of(std::move(points))); }
 
 }  // namespace terrazzo

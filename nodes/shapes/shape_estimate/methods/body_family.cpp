@@ -8,7 +8,9 @@
 #include "nodes/common/geometry/mesh/convex_polyhedron.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/principal_axes.h"
+#include "nodes/common/stereology/random_sections.h"
 #include "nodes/shapes/shape_estimate/methods/swelling.h"
+#include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {
 
@@ -16,7 +18,7 @@ namespace {
 
 constexpr int kFamilyDegrees = 4, kFamilyHarmonics = harmonic_count(kFamilyDegrees);
 constexpr int kLowDegrees = 3, kLowHarmonics = harmonic_count(kLowDegrees);
-constexpr int kFamilyPlanes = 6, kCuts = 16, kFamilyFields = Fields::kCount;
+constexpr int kFamilyPlanes = 6, kFamilyFields = Fields::kCount;
 
 // Splits edges longer than `limit` in rounds, if they are the longest edge of both their triangles.
 void split_edges(Mesh& mesh, double limit) {
@@ -165,37 +167,58 @@ class Deformed : public BodyFamily {
   std::vector<Vec3> planes_;
 };
 
-class Cut : public BodyFamily {
+// Coordinate `k` of 3 of element `index` of a low-discrepancy sequence (Roberts 2018), 0…1.
+double even(int index, int k) {
+  constexpr double kStep[] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+  return std::fmod(0.5 + kStep[k] * (index + 1), 1.0);
+}
+
+class Faceted : public BodyFamily {
  public:
-  Cut(Mesh start, std::uint64_t seed) : planes_(spread_directions(seed, kCuts)), fields_(seed) {
-    normalize(start);
-    for (const Vec3& n : planes_) {
-      double high = 0;
-      for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));
-      // Start inside the body, so that planes cut off a part of it.
-      reach_.push_back(0.88 * high);
+  Faceted(std::uint64_t seed, int guess)
+      : long_(0.8 * even(guess, 0)), flat_(0.8 * even(guess, 1)), fields_(seed + guess) {
+    const int faces = kFewestFaces + static_cast<int>(even(guess, 2) * (kMostFaces - kFewestFaces + 1));
+    // Random planes, until they enclose a body of which each is a side.
+    for (std::uint64_t tries = 0;; ++tries) {
+      Random r(seed, 212 + tries, static_cast<std::uint64_t>(guess));
+      planes_.clear();
+      for (int k = 0; k < faces; ++k) {
+        const Vec3 n(r.normal(), r.normal(), r.normal());
+        planes_.push_back({n.normalized(), r.uniform(0.6, 1)});
+      }
+      const ConvexPolyhedron p = intersect(with_bounds(planes_));
+      const auto used = [](const std::vector<int>& face) { return !face.empty(); };
+      const auto box = p.faces.begin() + faces;
+      if (std::all_of(p.faces.begin(), box, used) && std::none_of(box, p.faces.end(), used)) break;
     }
   }
-  int dimensions() const override { return kCuts + 2 + kLowHarmonics + kFamilyFields + 1; }
+  int dimensions() const override {
+    return 3 * static_cast<int>(planes_.size()) + 2 + kLowHarmonics + kFamilyFields + 1;
+  }
   Mesh body(const Eigen::VectorXd& x) const override {
     std::vector<HalfSpace> sides;
-    for (std::size_t k = 0; k < planes_.size(); ++k)
-      sides.push_back({planes_[k], reach_[k] * std::exp(bounded(0.25 * x[k], 1.2))});
-    for (int k = 0; k < 6; ++k) {
-      Vec3 n = Vec3::Zero();
-      n[k / 2] = k % 2 ? 1 : -1;
-      sides.push_back({n, 3.1 + 0.01 * k});
+    int at = 0;
+    for (const HalfSpace& side : planes_) {
+      const Mat3 frame = frame_about(side.normal);
+      const Vec3 n = frame.col(2) + bounded(0.3 * x[at + 1], 1) * frame.col(0) +
+                     bounded(0.3 * x[at + 2], 1) * frame.col(1);
+      sides.push_back({n.normalized(), side.offset * std::exp(bounded(0.25 * x[at], 1.2))});
+      at += 3;
     }
-    const ConvexPolyhedron p = intersect(sides);
+    const ConvexPolyhedron p = intersect(with_bounds(sides));
     if (p.corners.size() < 4) return {};
     Mesh mesh = triangulate(p);
     // Corners where more than three planes meet do not produce a closed mesh.
     if (mesh.vertices.size() != 2 + mesh.triangles.size() / 2 || !mesh_faults(mesh).empty()) return {};
+    transform(mesh, Mat3::Identity(), -mesh_centroid(mesh));
+    const double volume = mesh_volume(mesh);
+    if (!(volume > 0)) return {};
+    transform(mesh, Mat3::Identity() / std::cbrt(volume * 3 / (4 * std::numbers::pi)), Vec3::Zero());
     split_edges(mesh, 0.32);
-    int at = kCuts;
-    const Vec3 stretch = stretch_of(x[at], x[at + 1]);
+    const Vec3 stretch(std::exp(bounded(long_ + 0.4 * x[at], 2)), 1,
+                       std::exp(-bounded(flat_ + 0.4 * x[at + 1], 2)));
     at += 2;
-    const double wear = std::clamp(x[at + kLowHarmonics + kFamilyFields], 0.0, 1.5);
+    const double wear = std::clamp(0.5 * x[at + kLowHarmonics + kFamilyFields], 0.0, 1.5);
     if (wear > 0) {
       const auto soft = smoothed(mesh, 4);
       for (std::size_t v = 0; v < soft.size(); ++v) mesh.vertices[v] += wear * (soft[v] - mesh.vertices[v]);
@@ -206,15 +229,28 @@ class Cut : public BodyFamily {
       harmonics(u, kLowDegrees, h);
       for (int k = 0; k < kLowHarmonics; ++k) swell += bounded((k < 5 ? 0.07 : 0.05) * x[at + k], 0.3) * h[k];
       for (int k = 0; k < kFamilyFields; ++k)
-        swell += bounded(0.5 * Fields::kAmplitude[k] * x[at + kLowHarmonics + k], 0.1) * fields_(k, u);
+        if (const double t = x[at + kLowHarmonics + k]; t != 0)  // as in most finite differences
+          swell += bounded(0.5 * Fields::kAmplitude[k] * t, 0.1) * fields_(k, u);
       v = v.cwiseProduct(stretch) * std::exp(std::clamp(swell, -1.0, 1.0));
     }
     return mesh;
   }
 
  private:
-  std::vector<Vec3> planes_;
-  std::vector<double> reach_;
+  static constexpr int kFewestFaces = 4, kMostFaces = 16;
+
+  // Half-spaces far from the body close unbounded directions.
+  static std::vector<HalfSpace> with_bounds(std::vector<HalfSpace> sides) {
+    for (int k = 0; k < 6; ++k) {
+      Vec3 n = Vec3::Zero();
+      n[k / 2] = k % 2 ? 1 : -1;
+      sides.push_back({n, 3.1 + 0.01 * k});
+    }
+    return sides;
+  }
+
+  double long_, flat_;
+  std::vector<HalfSpace> planes_;
   Fields fields_;
 };
 
@@ -224,8 +260,8 @@ std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed) {
   return std::make_unique<Deformed>(std::move(start), seed);
 }
 
-std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed) {
-  return std::make_unique<Cut>(start, seed);
+std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess) {
+  return std::make_unique<Faceted>(seed, guess);
 }
 
 }  // namespace terrazzo::shape_estimate

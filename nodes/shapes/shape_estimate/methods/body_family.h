@@ -28,10 +28,11 @@ class BodyFamily {
 // split first, for enough vertices to deform.
 std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed);
 
-// A convex polyhedron bounded by planes of well-separated directions, initially close to the extent of the
-// body. Parameters: the planes' distances, then wear (smoothing of edges), swelling of degrees 2 and 3,
-// roughness and stretching as above. Unlike a deformed tessellation, it has sharp edges where planes meet.
-std::unique_ptr<BodyFamily> cut_bodies(const Mesh& start, std::uint64_t seed);
+// A convex polyhedron of 4 to 16 faces. Parameters: the faces' distances and tilts, stretching, swelling of
+// degrees 2 and 3 and roughness as above, and wear (smoothing of edges). Unlike a deformed tessellation, it
+// has sharp edges where faces meet. 0 is one of random polyhedra, stretched by element `guess` of a
+// low-discrepancy sequence, which also gives the number of faces.
+std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess);
 
 // A ball deformed by modeling operations (Barr 1984): swelled by spherical harmonics of degrees 2 to 5
 // and by random fields of shorter wavelengths, flattened against planes whose directions are parameters

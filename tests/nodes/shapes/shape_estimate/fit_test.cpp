@@ -103,7 +103,7 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   const Mesh start = stone_mesh(o);
   for (int kind = 0; kind < 3; ++kind) {
     const auto family = kind == 0   ? deformed_bodies(start, 1)
-                        : kind == 1 ? cut_bodies(start, 1)
+                        : kind == 1 ? faceted_bodies(1, 7)
                                     : modeled_bodies(1, 7);
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       Random r(seed, 4);
@@ -173,8 +173,8 @@ FeatureSample sample_of(std::uint64_t seed, Change&& change) {
   FeatureSample a;
   Random r(1, seed);
   for (int i = 0; i < 400; ++i) {
-    OutlineFeatures f;
-    f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2};
+    ProfileFeatures f;
+    f.values = {0.06, 7, 0.6, 0.95, 40, 3, 0.9, 0.3, 0, 1, 2, 0.5, 0.7, 0.9};
     double root_area = 1;
     change(r.normal(), f, root_area);
     a.features.push_back(f);
@@ -187,7 +187,7 @@ FeatureSample sample_of(std::uint64_t seed, Change&& change) {
 // With particles of one size, it matters which features large sections have, even if
 // the distributions are equal.
 TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
-  const FeatureSample a = sample_of(3, [](double t, OutlineFeatures& f, double& root_area) {
+  const FeatureSample a = sample_of(3, [](double t, ProfileFeatures& f, double& root_area) {
     f.values[1] += t;
     root_area += 0.2 * std::tanh(t);
   });
@@ -200,7 +200,7 @@ TEST(ShapeEstimateFit, WhatLargeSectionsAreLikeCounts) {
 
 // A difference of means within each feature's spread counts if it breaks the correlation between features.
 TEST(ShapeEstimateFit, WhatBreaksACorrelationCounts) {
-  const FeatureSample a = sample_of(2, [](double t, OutlineFeatures& f, double&) {
+  const FeatureSample a = sample_of(2, [](double t, ProfileFeatures& f, double&) {
     f.values[2] += 0.2 * t, f.values[7] += 0.2 * t;  // correlated
   });
   const FeatureTarget target(a, false, 1);
@@ -239,6 +239,35 @@ TEST(ShapeEstimateFit, ComesNearerThanTheOtherMethods) {
   // The result is the same on one thread.
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   EXPECT_EQ(fit_bodies(request).bodies[0].mesh.vertices, fit.bodies[0].mesh.vertices);
+}
+
+// Mean share of the hull in the largest inscribed quadrilateral: 1 where sections have at most four straight
+// sides, 0.637 where they are ellipses.
+double quadrilateral_share(const Mesh& mesh) {
+  const FeatureSample sample = measured(cut_sections(mesh, 400), {});
+  double sum = 0;
+  for (std::size_t i = 0; i < sample.features.size(); ++i)
+    sum += sample.weight[i] / total_weight(sample) * sample.features[i].values[kOutlineFeatures + 1];
+  return sum;
+}
+
+TEST(ShapeEstimateFit, ShardsStaySharpAndBallsRound) {
+  for (const bool shards : {true, false}) {
+    Mesh truth = shards ? platonic_mesh(SolidKind::Tetrahedron) : ellipsoid_mesh({1, 1, 1}, 3);
+    for (Vec3& v : truth.vertices) v.x() *= 1.5;
+    const Profiles profiles = sections_of(one_shape(truth), 120);
+    const auto candidates = candidates_of(profiles, {.smallest = 0.3});
+    FitRequest request;
+    request.all = &candidates.outlines;
+    request.hands.assign(1, {candidates.outlines.begin(), candidates.outlines.begin() + 3});
+    request.count = 1;
+    request.rounds = 2;
+    request.smallest = 0.3;
+    request.planes = 100;
+    const Fit fit = fit_bodies(request);
+    EXPECT_NEAR(quadrilateral_share(fit.bodies[0].mesh), quadrilateral_share(truth), 0.04) << shards;
+    EXPECT_EQ(fit.bodies[0].smooth, !shards);
+  }
 }
 
 TEST(ShapeEstimateFit, TooFewProfilesAreNoDistribution) {

@@ -110,9 +110,9 @@ TEST(SizeSelection, BlursSectionsByTheirScale) {
   auto sections = cut_sections(shape::box_mesh({1, 1, 1}), 50);
   const auto sharp = measured(sections, {});
   for (auto& s : sections) s.scale = 10;
-  const auto large = measured(sections, {}, 0.3);
+  const auto large = measured(sections, {.blur = 0.3});
   for (auto& s : sections) s.scale = 4;
-  const auto small = measured(sections, {}, 0.3);
+  const auto small = measured(sections, {.blur = 0.3});
   ASSERT_EQ(small.features.size(), sharp.features.size());
   std::size_t rounder = 0;  // the smallest sections are blurred as far as they can be
   for (std::size_t i = 0; i < small.features.size(); ++i) {
