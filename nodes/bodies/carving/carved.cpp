@@ -1,3 +1,5 @@
+#include <limits>
+
 #include "nodes/bodies/carving/body.h"
 #include "nodes/bodies/carving/hollows.h"
 #include "nodes/bodies/carving/paint.h"
@@ -41,6 +43,17 @@ class Hollowed : public Solid {
   Eigen::AlignedBox3f bounds() const override { return body_->bounds(); }
 
  private:
+  // Whether a hole is open at a point where a ray enters the body, and the wall that the ray meets next.
+  bool opens(const Vec3f& p, const Vec3f& d, HollowHit& wall) const {
+    const bool found = hollows_->nearest(p, d, wall);
+    if (!hollows_->known()) return found && wall.leaves;
+    if (!found) wall.at = std::numeric_limits<float>::max();
+    SurfacePoint end;
+    float to;
+    if (!body_->meet(p + kBeyond * d, d, end, to)) return false;
+    // A hole may also end where the body does. Halfway to there, walls are far.
+    return wall.at < to ? wall.leaves : hollows_->holds(p + to / 2 * d);
+  }
   bool walk(const Vec3f& origin, const Vec3f& d, SurfacePoint& s) const {
     float from = 0;
     for (int step = 0; step < 256; ++step) {
@@ -53,7 +66,7 @@ class Hollowed : public Solid {
       // it begins at the hole's wall unless the body ends first.
       HollowHit wall;
       if (!leaves) {
-        if (!hollows_->nearest(p + to * d, d, wall) || !wall.leaves) {
+        if (!opens(p + to * d, d, wall)) {
           s = outer;
           return true;
         }

@@ -1,14 +1,21 @@
 #include "nodes/bodies/carving/color_field.h"
 
+#include <openvdb/tools/Count.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/bodies/carving/hidden_phases.h"
 #include "nodes/common/geometry/grid/floor_of.h"
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/data/volume.h"
 
 namespace terrazzo::carving {
 namespace {
+
+constexpr float kUnit = 1.0f / (65535.0f * 65535.0f);
+constexpr float kDarkest = 0.05f, kLightest = 0.9f;  // phases without colors
+constexpr int kCover = 3;                            // voxels, as far as interpolation reaches
 
 Error bad_color(std::size_t index, const Vec3i& n) {
   const std::size_t x = index % n.x(), y = index / n.x() % n.y(), z = index / n.x() / n.y();
@@ -45,56 +52,91 @@ ColorField::ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool 
   clamped_ = static_cast<float>(outside) / colors.size();
 }
 
-ColorField ColorField::of(const Volume& volume, const Work& work) {
-  const auto grid = volume.find<openvdb::Vec3SGrid>("Cd");
-  if (!grid) {
-    std::string names;
-    for (const auto& g : volume.grids)
-      names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
-    throw Error("no-color",
-                "the volume has no color grid 'Cd' of three floats; it has " +
-                    (names.empty() ? std::string("no grids") : names),
-                "connect a volume with colors, for example from Voxelize");
-  }
-  ColorField field;
-  field.periodic_ = volume.periodic();
-  field.voxel_ = grid->voxelSize().x();
-  const openvdb::CoordBBox box = voxels_of(volume, *grid);
-  if (box.empty()) throw Error("empty-volume", "the color grid 'Cd' has no active voxels");
+template <class Grid, class ColorOf>
+void ColorField::copy(const Volume& volume, const Grid& grid, const Work& work, ColorOf&& color_of) {
+  periodic_ = volume.periodic();
+  voxel_ = grid.voxelSize().x();
+  const openvdb::CoordBBox box = voxels_of(volume, grid);
+  if (box.empty()) throw Error("empty-volume", "the grid '" + grid.getName() + "' has no active voxels");
   const openvdb::Coord first = box.min();
   const openvdb::Coord size = box.dim();
-  field.resolution_ = Vec3i(size.x(), size.y(), size.z());
-  const Vec3i n = field.resolution_;
-  field.voxels_.resize(voxel_count(n));
+  resolution_ = Vec3i(size.x(), size.y(), size.z());
+  const Vec3i n = resolution_;
+  voxels_.resize(voxel_count(n));
   std::vector<std::size_t> outside(n.z());
   work.parallel(n.z(), 4, [&](std::size_t begin, std::size_t end) {
-    auto voxels = grid->getConstAccessor();
+    auto voxels = grid.getConstAccessor();
     for (std::size_t z = begin; z < end; ++z) {
       work.check();
       std::size_t index = z * n.y() * n.x();
       for (int y = 0; y < n.y(); ++y)
-        for (int x = 0; x < n.x(); ++x, ++index) {
-          const auto& c = voxels.getValue(first.offsetBy(x, y, static_cast<int>(z)));
-          field.set(index, Vec3f(c.x(), c.y(), c.z()), outside[z]);
-        }
+        for (int x = 0; x < n.x(); ++x, ++index)
+          set(index, color_of(voxels.getValue(first.offsetBy(x, y, static_cast<int>(z)))), outside[z]);
     }
   });
   std::size_t all = 0;
   for (const auto v : outside) all += v;
-  field.clamped_ = static_cast<float>(all) / field.voxels_.size();
-  return field;
+  clamped_ = static_cast<float>(all) / voxels_.size();
+}
+
+ColorField ColorField::of(const Volume& volume, const Work& work) {
+  ColorField field;
+  if (const auto grid = volume.find<openvdb::Vec3SGrid>("Cd")) {
+    field.copy(volume, *grid, work, [](const openvdb::Vec3s& c) { return Vec3f(c.x(), c.y(), c.z()); });
+    return field;
+  }
+  if (const auto phase = volume.find<openvdb::Int32Grid>("phase")) {
+    const float last = std::max(1, openvdb::tools::minMax(phase->tree()).max());
+    field.copy(volume, *phase, work, [&](std::int32_t p) {
+      return Vec3f::Constant(kDarkest + (kLightest - kDarkest) * static_cast<float>(std::max(0, p)) / last);
+    });
+    return field;
+  }
+  std::string names;
+  for (const auto& g : volume.grids)
+    names += (names.empty() ? "" : ", ") + g->getName() + " (" + g->valueType() + ")";
+  throw Error("no-color",
+              "the volume has no color grid 'Cd' of three floats and no grid 'phase'; it has " +
+                  (names.empty() ? std::string("no grids") : names),
+              "connect a volume with colors, for example from Voxelize");
+}
+
+void ColorField::cover(const HiddenVoxels& hidden) {
+  if (hidden.size != resolution_)
+    throw Error("size-mismatch", "the grids 'Cd' and 'phase' have different voxels",
+                "make both over the same voxels");
+  std::vector<std::uint8_t> open = hidden.in;
+  const Vec3i n = resolution_;
+  for (int round = 0; round < kCover; ++round) {
+    const std::vector<std::uint8_t> before = open;
+    for (int z = 0; z < n.z(); ++z)
+      for (int y = 0; y < n.y(); ++y)
+        for (int x = 0; x < n.x(); ++x)
+          if (const std::size_t at = voxel_at(x, y, z, n); before[at] && cover(before, {x, y, z}))
+            open[at] = 0;
+  }
+}
+
+bool ColorField::cover(const std::vector<std::uint8_t>& open, const Vec3i& at) {
+  Vec3f sum = Vec3f::Zero();
+  int found = 0;
+  for (int k = 0; k < 27; ++k) {
+    const int x = wrap(at.x() + k % 3 - 1, 0), y = wrap(at.y() + k / 3 % 3 - 1, 1),
+              z = wrap(at.z() + k / 9 - 1, 2);
+    if (open[voxel_at(x, y, z, resolution_)]) continue;
+    sum += squared(x, y, z);
+    ++found;
+  }
+  if (found == 0) return false;
+  std::size_t outside = 0;
+  set(voxel_at(at.x(), at.y(), at.z(), resolution_), sum * (kUnit / static_cast<float>(found)), outside);
+  return true;
 }
 
 int ColorField::wrap(int i, int axis) const {
   const int n = resolution_[axis];
   return periodic_ ? wrap_index(i, n) : std::clamp(i, 0, n - 1);
 }
-
-namespace {
-
-constexpr float kUnit = 1.0f / (65535.0f * 65535.0f);
-
-}  // namespace
 
 Vec3f ColorField::at(const Vec3f& voxel) const {
   int at[3][2];

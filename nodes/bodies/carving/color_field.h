@@ -15,15 +15,22 @@ struct Volume;
 
 namespace terrazzo::carving {
 
+struct HiddenVoxels;
+
 class ColorField {
  public:
   // `colors` are scene-linear, x fastest; they are clamped to [0, 1], the range of reflectance. Throws Error
   // "bad-colors" if one is NaN.
   ColorField(Vec3i resolution, const std::vector<Vec3f>& colors, bool periodic = true);
 
-  // Copies the grid `Cd` over one period, or over its active voxels if the volume is not periodic. Throws
-  // Error "no-color" (no such grid), "empty-volume", "too-large" (more than 2^31 voxels), "bad-colors".
+  // Copies the grid `Cd` over one period, or over its active voxels if the volume is not periodic. Without
+  // it, the numbers of the grid `phase` become grays, the first one dark. Throws Error "no-color" (neither
+  // grid), "empty-volume", "too-large" (more than 2^31 voxels), "bad-colors".
   static ColorField of(const Volume&, const Work& = {});
+
+  // Gives hidden voxels close to visible ones the mean color of these, so that the colors of walls are not
+  // mixed with those of what is hidden. Throws Error "size-mismatch".
+  void cover(const HiddenVoxels&);
 
   const Vec3i& resolution() const { return resolution_; }
   bool periodic() const { return periodic_; }
@@ -39,7 +46,11 @@ class ColorField {
 
  private:
   ColorField() = default;
+  template <class Grid, class ColorOf>
+  void copy(const Volume&, const Grid&, const Work&, ColorOf&&);
   void set(std::size_t index, const Vec3f& linear, std::size_t& outside);
+  // Whether a voxel at or around `at` is not open; then `at` has their mean color.
+  bool cover(const std::vector<std::uint8_t>& open, const Vec3i& at);
   int wrap(int i, int axis) const;
   Vec3f squared(int x, int y, int z) const {
     const auto& v = voxels_[voxel_at(x, y, z, resolution_)];

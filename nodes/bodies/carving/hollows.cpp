@@ -57,7 +57,10 @@ std::vector<VoidImage> void_images(const Voids& voids, const Eigen::AlignedBox3f
   return images;
 }
 
-Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
+Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds)
+    : voids_(voids),
+      mm_per_unit_(static_cast<float>(voids.particles->box.maxCoeff() * voids.repeat)),
+      shift_(voids.placement.shift.cwiseProduct(voids.particles->box.cast<float>())) {
   std::vector<RayScene::Instance> instances;
   std::vector<RayScene::Triangles> triangles;
   for (const Shape& s : voids.shapes->shapes) {
@@ -70,6 +73,10 @@ Hollows::Hollows(const Voids& voids, const Eigen::AlignedBox3f& bounds) {
     turns_.push_back(i.turn);
   }
   if (!instances.empty()) scene_ = std::make_unique<RayScene>(triangles, instances);
+}
+
+bool Hollows::holds(const Vec3f& point) const {
+  return voids_.holds(voids_.placement.turn * point * mm_per_unit_ + shift_);
 }
 
 bool Hollows::nearest(const Vec3f& origin, const Vec3f& direction, HollowHit& out) const {

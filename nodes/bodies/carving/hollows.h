@@ -31,11 +31,18 @@ class Hollows {
   // `bounds` are the body's, in world units. Throws the errors of void_images.
   Hollows(const Voids&, const Eigen::AlignedBox3f& bounds);
   bool nearest(const Vec3f& origin, const Vec3f& direction, HollowHit&) const;
+  // Whether holds() can tell (Voids::holds).
+  bool known() const { return static_cast<bool>(voids_.holds); }
+  // Whether a point is in a hole. Not exact close to walls.
+  bool holds(const Vec3f& point) const;
 
  private:
   std::vector<RayMesh> meshes_;
   std::vector<std::uint32_t> mesh_of_;
   std::vector<Eigen::Matrix3f> turns_;
+  Voids voids_;
+  float mm_per_unit_;
+  Vec3f shift_;                      // mm
   std::unique_ptr<RayScene> scene_;  // null if no void reaches the body
 };
 

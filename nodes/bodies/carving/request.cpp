@@ -5,11 +5,13 @@
 #include "graph/node_parameters.h"
 #include "nodes/bodies/carving/color_field.h"
 #include "nodes/bodies/carving/forms.h"
+#include "nodes/bodies/carving/hidden_phases.h"
 #include "nodes/bodies/carving/particle_index.h"
 #include "nodes/data/detail.h"
 #include "nodes/data/opaque_volume.h"
 #include "nodes/data/profiles.h"
 #include "nodes/detail/residual/residual_field.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::carving {
 
@@ -102,8 +104,23 @@ void take_paint(Context& c, Mode mode, Body& body) {
   body.paint = field_paint(*body.field, repeat, placement_of(c), mode == Mode::Block || mode == Mode::Cube);
 }
 
-// The voids of a packing, which become holes in the carved body.
-Voids voids_of(Context& c) {
+// Makes holes of the phases of the volume that colors come from.
+void take_hidden(Context& c, Body& body, const std::vector<std::int64_t>& hide) {
+  if (!body.field)
+    throw Error("bad-value", "only phases of a volume that the body's colors come from can be hidden",
+                "connect a volume with the grid 'phase' and set color to volume, or leave hide empty")
+        .parameter("hide");
+  const HiddenVoxels hidden = hidden_voxels(c.input<Volume>("volume"), hide);
+  require_memory(hidden_forecast(hidden, c.work()), c.memory(), "the surface of the hidden phases");
+  body.field->cover(hidden);
+  body.hidden = std::make_unique<HiddenVoid>(hidden_void(hidden, body.field->voxel(), c.work().quiet()));
+}
+
+// The holes in the carved body: hidden phases, or the voids of a packing.
+Voids voids_of(Context& c, const Body& body) {
+  if (body.hidden)
+    return {&body.hidden->particles, &body.hidden->shapes, c.number("repeat"), placement_of(c),
+            [hidden = body.hidden.get()](const Vec3f& p) { return hidden->holds(p); }};
   const auto* particles = c.optional<Particles>("particles");
   const auto* volume = c.optional<Volume>("volume");
   if (!particles && volume && has_voids(*volume))
@@ -117,7 +134,7 @@ Voids voids_of(Context& c) {
 
 void take_solid(Context& c, Mode mode, Body& body, std::uint64_t seed) {
   const Paint* paint = body.paint.get();
-  if (mode != Mode::Fracture && mode != Mode::Particles) body.voids = voids_of(c);
+  if (mode != Mode::Fracture && mode != Mode::Particles) body.voids = voids_of(c, body);
   if (mode == Mode::Block) body.solid = block_solid(*paint, c.number("cut"), kBevel, body.voids);
   if (mode == Mode::Cube) body.solid = block_solid(*paint, 0, kBevel, body.voids);
   if (mode == Mode::Vase) body.solid = object_solid(*paint, vase_form(), body.voids);
@@ -155,9 +172,10 @@ Mode resolved_mode(const Context& c, const Profiles* photograph) {
 
 void check_body(const NodeParameters& p) { placement_of(p); }
 
-Body body_of(Context& c, Mode mode, std::uint64_t seed) {
+Body body_of(Context& c, Mode mode, std::uint64_t seed, const std::vector<std::int64_t>& hide) {
   Body body;
   if (mode != Mode::Particles) take_paint(c, mode, body);
+  if (!hide.empty()) take_hidden(c, body, hide);
   take_solid(c, mode, body, seed);
   return body;
 }
@@ -173,7 +191,8 @@ const Shape& object_of(Context& c, bool warn) {
 }
 
 void declare_solid(NodeType& type) {
-  type.optional_input("volume", {"Volume"}, "Solid: a color grid `Cd`, repeated periodically")
+  type.optional_input("volume", {"Volume"},
+                      "Solid: a color grid `Cd`, or phases in the grid `phase`, repeated periodically")
       .optional_input("particles", {"Particles"},
                       "Packing whose solid is used at full resolution. Its voids are holes in carved bodies, "
                       "even if colors come from the volume.")

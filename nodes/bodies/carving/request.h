@@ -17,6 +17,7 @@ struct Profiles;
 namespace terrazzo::carving {
 
 class ColorField;
+struct HiddenVoid;
 
 enum class Mode { Auto, Block, Cube, Object, Vase, Knot, Fracture, Particles };
 // The words of `mode`, in the order of Mode. Carve leaves out the last.
@@ -39,6 +40,7 @@ struct Body {
   std::unique_ptr<ColorField> field;
   std::unique_ptr<Paint> paint;  // null for Particles
   std::unique_ptr<Solid> solid;
+  std::unique_ptr<HiddenVoid> hidden;
   Voids voids;    // that open in the body; none for Fracture and Particles
   double mm = 1;  // per world unit
 
@@ -47,9 +49,9 @@ struct Body {
   Body(Body&&) noexcept;
 };
 
-// Throws Error "no-INPUT" for inputs that the mode needs, and the errors of the solids. `seed` shapes the
-// face of a fracture.
-Body body_of(Context&, Mode, std::uint64_t seed);
+// Throws Error "no-INPUT" for inputs that the mode needs, and the errors of the solids and of
+// hidden_voxels(). `seed` shapes the face of a fracture; `hide`: phases of the volume that are holes.
+Body body_of(Context&, Mode, std::uint64_t seed, const std::vector<std::int64_t>& hide = {});
 // The connected object. Throws Error "no-object", "no-shapes".
 const Shape& object_of(Context&, bool warn);
 

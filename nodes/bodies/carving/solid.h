@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "nodes/bodies/carving/placement.h"
@@ -23,6 +24,9 @@ struct Voids {
   const Shapes* shapes = nullptr;
   double repeat = 1;  // periods of the longest edge per world unit
   Placement placement;
+  // Whether a point of the material, in mm, is in a void: for voids that a ray may cross the whole body in.
+  // Empty: each void is closed, so that walls tell.
+  std::function<bool(const Vec3f&)> holds = {};
 };
 
 struct SurfacePoint {

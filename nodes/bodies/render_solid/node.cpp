@@ -50,7 +50,7 @@ void compute(Context& c) {
   settings.gloss = c.number("gloss");
   settings.seed = c.seed();
 
-  const carving::Body body = body_of(c, mode, settings.seed);
+  const carving::Body body = body_of(c, mode, settings.seed, c.ints("hide"));
 
   const int frames = c.integer("frames");
   Image turn(settings.width, settings.height, frames, 1);
@@ -83,7 +83,7 @@ namespace terrazzo {
 
 NodeType render_solid_node() {
   using namespace render_solid;
-  NodeType type("RenderSolid", 7);
+  NodeType type("RenderSolid", 8);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
           "out, a body carved from it, or its particles without binder")
@@ -115,6 +115,11 @@ NodeType render_solid_node() {
                     "`profiles` is, else particles."));
   declare_body(type);
   return type
+      .parameter(Parameter::ints("hide", {})
+                     .count(0, 32)
+                     .range(0, 255)
+                     .doc_("Phases of the volume's grid `phase` that are left out, such as pores, so that "
+                           "the others show their shape. Needs colors from the volume."))
       .parameter(Parameter::integer("frames", 1)
                      .range(1, 10000)
                      .doc_("Number of frames in one full turn, one section each"))
