@@ -1,10 +1,10 @@
-// Particles by example: a random forest that learns from a user's strokes.
+// Particles by example, learned from a user's strokes.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "nodes/common/texture/pixel_forest.h"
 #include "nodes/data/image.h"
 #include "nodes/data/strokes.h"
 #include "nodes/photograph/segment/color/particles.h"
@@ -22,18 +22,14 @@ struct ScribbleMaps {
 };
 
 // Strokes are in pixels of the section `of_section`; every section of the stack is classified by what they
-// teach there. Features are color, gradient, Laplacian, and eigenvalues of the Hessian and of the structure
-// tensor at four scales (as in ilastik; Berg et al. 2019), learned by 60 trees (Breiman 2001). Throws Error
-// "no-strokes".
+// teach there. Throws Error "no-strokes".
 class ScribbleForest {
  public:
   ScribbleForest(const Image&, int of_section, const Scribbles&, std::uint64_t seed, const Work&);
-  ~ScribbleForest();
   ScribbleMaps classify(const Image&, int section, const Work&) const;
 
  private:
-  struct Forest;
-  std::unique_ptr<Forest> forest_;
+  PixelForest forest_;
 };
 
 // Where most trees say particle, without specks, split at necks.

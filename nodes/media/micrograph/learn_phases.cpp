@@ -1,0 +1,87 @@
+#include "nodes/media/micrograph/learn_phases.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/texture/pixel_forest.h"
+#include "nodes/media/micrograph/gray_picture.h"
+#include "nodes/media/micrograph/phase_field.h"
+
+namespace terrazzo::media {
+namespace {
+
+constexpr int kDecisions = 10;
+constexpr double kNoVote = 1e-3;  // probability of a phase that no tree says
+constexpr double kNever = 1e6;    // cost of another phase under a stroke
+
+using Votes = std::vector<std::vector<float>>;  // [phase][pixel], 0 to 1
+
+std::vector<TaughtClass> taught_by(const std::vector<const Strokes*>& strokes, const Image& image) {
+  if (strokes.size() < 2 || strokes.size() > kMostPhases)
+    throw Error(
+        "wrong-count",
+        fmt::format("there are strokes for {} phases, but 2 to {} are possible", strokes.size(), kMostPhases),
+        "connect one node Strokes for each phase");
+  std::vector<TaughtClass> out;
+  for (int k = 0; k < count_of(strokes); ++k) {
+    if (pixels_of(strokes[k], image.width, image.height).empty())
+      throw Error("no-strokes", fmt::format("no pixel is marked as phase {}", k),
+                  "draw strokes inside the picture for each phase");
+    out.push_back({k, strokes[k]});
+  }
+  return out;
+}
+
+// The phase of each stroke's pixels; kUnobserved elsewhere.
+std::vector<std::uint8_t> marked(const std::vector<const Strokes*>& strokes, const Image& image) {
+  std::vector<std::uint8_t> out(pixels_in(image.width, image.height), kUnobserved);
+  for (std::size_t k = 0; k < strokes.size(); ++k)
+    for (const std::uint32_t at : pixels_of(strokes[k], image.width, image.height))
+      out[at] = static_cast<std::uint8_t>(k);
+  return out;
+}
+
+}  // namespace
+
+double learn_forecast(const Image& image) { return 260.0 * pixels_in(image.width, image.height); }
+
+FoundPhases learn_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
+                         const std::vector<const Strokes*>& strokes, double smoothing, std::uint64_t seed,
+                         const Work& work) {
+  const GrayPicture picture = gray_picture(image, unobserved);
+  const auto taught = taught_by(strokes, image);
+  const int phases = count_of(strokes);
+  const Votes votes =
+      PixelForest(image, 0, taught, seed, work.part(0, 0.3)).classify(image, 0, phases, work.part(0.3, 0.8));
+  const auto marks = marked(strokes, image);
+  const auto cost = [&](int x, int y) {
+    const std::size_t at = pixel_at(x, y, image.width);
+    Costs out{};
+    if (!picture.in[at]) return out;
+    for (int k = 0; k < phases; ++k)
+      out[k] = marks[at] == kUnobserved ? -std::log(std::max<double>(kNoVote, votes[k][at]))
+                                        : (marks[at] == k ? 0 : kNever);
+    return out;
+  };
+  PhaseField field{image.width, image.height, phases, smoothing, {}};
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    int best = 0;
+    for (int k = 1; k < phases; ++k)
+      if (votes[k][i] > votes[best][i]) best = k;
+    field.label.push_back(static_cast<std::uint8_t>(best));
+  }
+  for (int round = 0; round < kDecisions; ++round) {
+    field.decide(cost, work);
+    work.part(0.8, 1).done(round + 1, kDecisions);
+  }
+  PhaseLevels levels{std::vector<double>(phases, 0), std::vector<double>(phases, 0)};
+  measure(picture, field.label, levels);
+  FoundPhases out = summary(image, picture, field.label, levels);
+  out.uncertain = field.uncertain(picture.in, cost);
+  return out;
+}
+
+}  // namespace terrazzo::media
