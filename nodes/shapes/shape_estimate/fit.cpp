@@ -294,7 +294,8 @@ class BodySearch {
     if (k == 0) {
       for (std::size_t s = 0; s < std::min<std::size_t>(starts_.size(), 2); ++s)
         searches.push_back(deformed(s, k));
-      add_guesses(FamilyKind::Faceted, 2, k, searches);
+      searches.push_back(cut(0, k));
+      add_guesses(FamilyKind::Faceted, 1, k, searches);
     } else if (first_kind_ == FamilyKind::Deformed) {
       searches.push_back(deformed(k, k));
     } else {
@@ -307,6 +308,11 @@ class BodySearch {
   FamilySearch deformed(std::size_t i, int k) const {
     const Start& start = starts_[i % starts_.size()];
     return {deformed_bodies(start.mesh, request_.seed + k), start.from, FamilyKind::Deformed, {}, -1};
+  }
+
+  FamilySearch cut(std::size_t i, int k) const {
+    const Start& start = starts_[i % starts_.size()];
+    return {faceted_bodies(start.mesh, request_.seed + k), start.from + ", cut", FamilyKind::Faceted, {}, -1};
   }
 
   // Adds the `most` guesses of a family that are closest to the profiles.

@@ -192,6 +192,15 @@ class Faceted : public BodyFamily {
       if (std::all_of(p.faces.begin(), box, used) && std::none_of(box, p.faces.end(), used)) break;
     }
   }
+  // Planes of well-separated directions cut off a part of the body.
+  Faceted(Mesh start, std::uint64_t seed) : long_(0), flat_(0), fields_(seed) {
+    normalize(start);
+    for (const Vec3& n : spread_directions(seed, kMostFaces)) {
+      double high = 0;
+      for (const Vec3& p : start.vertices) high = std::max(high, n.dot(p));
+      planes_.push_back({n, 0.88 * high});
+    }
+  }
   int dimensions() const override {
     return 3 * static_cast<int>(planes_.size()) + 2 + kLowHarmonics + kFamilyFields + 1;
   }
@@ -258,6 +267,10 @@ class Faceted : public BodyFamily {
 
 std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed) {
   return std::make_unique<Deformed>(std::move(start), seed);
+}
+
+std::unique_ptr<BodyFamily> faceted_bodies(Mesh start, std::uint64_t seed) {
+  return std::make_unique<Faceted>(std::move(start), seed);
 }
 
 std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess) {

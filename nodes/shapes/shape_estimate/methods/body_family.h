@@ -30,8 +30,9 @@ std::unique_ptr<BodyFamily> deformed_bodies(Mesh start, std::uint64_t seed);
 
 // A convex polyhedron of 4 to 16 faces. Parameters: the faces' distances and tilts, stretching, swelling of
 // degrees 2 and 3 and roughness as above, and wear (smoothing of edges). Unlike a deformed tessellation, it
-// has sharp edges where faces meet. 0 is one of random polyhedra, stretched by element `guess` of a
-// low-discrepancy sequence, which also gives the number of faces.
+// has sharp edges where faces meet. 0 is the body, cut by 16 planes, or one of random polyhedra, stretched by
+// element `guess` of a low-discrepancy sequence, which also gives the number of faces.
+std::unique_ptr<BodyFamily> faceted_bodies(Mesh start, std::uint64_t seed);
 std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess);
 
 // A ball deformed by modeling operations (Barr 1984): swelled by spherical harmonics of degrees 2 to 5
