@@ -101,7 +101,7 @@ ColorField ColorField::of(const Volume& volume, const Work& work) {
               "connect a volume with colors, for example from Voxelize");
 }
 
-void ColorField::cover(const HiddenVoxels& hidden) {
+void ColorField::cover(const HiddenVoxels& hidden, const Work& work) {
   if (hidden.size != resolution_)
     throw Error("size-mismatch", "the grids 'Cd' and 'phase' have different voxels",
                 "make both over the same voxels");
@@ -109,11 +109,14 @@ void ColorField::cover(const HiddenVoxels& hidden) {
   const Vec3i n = resolution_;
   for (int round = 0; round < kCover; ++round) {
     const std::vector<std::uint8_t> before = open;
-    for (int z = 0; z < n.z(); ++z)
-      for (int y = 0; y < n.y(); ++y)
-        for (int x = 0; x < n.x(); ++x)
-          if (const std::size_t at = voxel_at(x, y, z, n); before[at] && cover(before, {x, y, z}))
-            open[at] = 0;
+    // Reads only voxels that were not open, and changes only those that were.
+    work.quiet().parallel(n.z(), 4, [&](std::size_t begin, std::size_t end) {
+      for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
+        for (int y = 0; y < n.y(); ++y)
+          for (int x = 0; x < n.x(); ++x)
+            if (const std::size_t at = voxel_at(x, y, z, n); before[at] && cover(before, {x, y, z}))
+              open[at] = 0;
+    });
   }
 }
 

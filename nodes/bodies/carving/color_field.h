@@ -30,7 +30,7 @@ class ColorField {
 
   // Gives hidden voxels close to visible ones the mean color of these, so that the colors of walls are not
   // mixed with those of what is hidden. Throws Error "size-mismatch".
-  void cover(const HiddenVoxels&);
+  void cover(const HiddenVoxels&, const Work& = {});
 
   const Vec3i& resolution() const { return resolution_; }
   bool periodic() const { return periodic_; }

@@ -115,7 +115,7 @@ Mesh mesh_of(const Surface& s, const HiddenVoxels& h) {
 
 }  // namespace
 
-HiddenVoxels hidden_voxels(const Volume& volume, const std::vector<std::int64_t>& phases) {
+HiddenVoxels hidden_voxels(const Volume& volume, const std::vector<std::int64_t>& phases, const Work& work) {
   const auto names = grid_names(volume);
   if (std::count(names.begin(), names.end(), "phase") == 0)
     throw Error("no-such-grid", "the volume has no grid 'phase'",
@@ -131,6 +131,7 @@ HiddenVoxels hidden_voxels(const Volume& volume, const std::vector<std::int64_t>
   std::vector<std::int32_t> plane(box.plane());
   std::size_t hidden = 0;
   for (int z = 0; z < box.size.z(); ++z) {
+    work.check();
     source.read(z, z + 1, plane.data());
     for (std::size_t i = 0; i < plane.size(); ++i)
       if (const auto at = std::find(phases.begin(), phases.end(), plane[i]); at != phases.end()) {

@@ -20,7 +20,7 @@ struct HiddenVoxels {
 
 // Throws Error "no-such-grid" (no whole numbers in `phase`), "no-such-phase", "all-hidden", and those of
 // voxel_box().
-HiddenVoxels hidden_voxels(const Volume&, const std::vector<std::int64_t>& phases);
+HiddenVoxels hidden_voxels(const Volume&, const std::vector<std::int64_t>& phases, const Work& = {});
 
 // Peak memory in bytes of hidden_void() and of rendering it.
 double hidden_forecast(const HiddenVoxels&, const Work&);

@@ -110,9 +110,9 @@ void take_hidden(Context& c, Body& body, const std::vector<std::int64_t>& hide) 
     throw Error("bad-value", "only phases of a volume that the body's colors come from can be hidden",
                 "connect a volume with the grid 'phase' and set color to volume, or leave hide empty")
         .parameter("hide");
-  const HiddenVoxels hidden = hidden_voxels(c.input<Volume>("volume"), hide);
+  const HiddenVoxels hidden = hidden_voxels(c.input<Volume>("volume"), hide, c.work());
   require_memory(hidden_forecast(hidden, c.work()), c.memory(), "the surface of the hidden phases");
-  body.field->cover(hidden);
+  body.field->cover(hidden, c.work());
   body.hidden = std::make_unique<HiddenVoid>(hidden_void(hidden, body.field->voxel(), c.work().quiet()));
 }
 
