@@ -115,14 +115,16 @@ Mesh mesh_of(const Surface& s, const HiddenVoxels& h) {
 
 }  // namespace
 
-HiddenVoxels hidden_voxels(const Volume& volume, const std::vector<std::int64_t>& phases, const Work& work) {
+HiddenVoxels hidden_voxels(const Volume& volume, std::vector<std::int64_t> phases, const Work& work) {
+  std::sort(phases.begin(), phases.end());
+  phases.erase(std::unique(phases.begin(), phases.end()), phases.end());
   const auto names = grid_names(volume);
   if (std::count(names.begin(), names.end(), "phase") == 0)
     throw Error("no-such-grid", "the volume has no grid 'phase'",
                 "connect a volume of phases, for example from MediaSolid");
   const VoxelBox box = voxel_box(volume);
   const VoxelSource source(volume, "phase", box);
-  if (!source.whole())
+  if (!source.whole() || source.components() != 1)
     throw Error("no-such-grid", "the grid 'phase' does not hold whole numbers",
                 "connect a volume of phases, for example from MediaSolid");
   HiddenVoxels out{box.size, box.periodic, {}};
@@ -193,6 +195,10 @@ HiddenVoid hidden_void(const HiddenVoxels& h, double voxel, const Work& work) {
   shape.name = "hidden";
   shape.smooth = true;
   shape.mesh = mesh_of(surface_of(h, out.share, work), h);
+  if (shape.mesh.triangles.empty())
+    throw Error("no-surface",
+                "the hidden phases, or the visible ones, are thinner than two voxels everywhere",
+                "hide other phases, or use a finer volume");
   for (Vec3& v : shape.mesh.vertices) v *= voxel;
   out.shapes.shapes.push_back(std::move(shape));
   out.particles.box = voxel * h.size.cast<double>();

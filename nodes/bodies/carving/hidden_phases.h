@@ -20,7 +20,7 @@ struct HiddenVoxels {
 
 // Throws Error "no-such-grid" (no whole numbers in `phase`), "no-such-phase", "all-hidden", and those of
 // voxel_box().
-HiddenVoxels hidden_voxels(const Volume&, const std::vector<std::int64_t>& phases, const Work& = {});
+HiddenVoxels hidden_voxels(const Volume&, std::vector<std::int64_t> phases, const Work& = {});
 
 // Peak memory in bytes of hidden_void() and of rendering it.
 double hidden_forecast(const HiddenVoxels&, const Work&);
@@ -40,6 +40,7 @@ struct HiddenVoid {
 
 // The surface between hidden voxels and the others, where the mean of the voxels around it, weighted 1 : 2 :
 // 1 along each axis, is a half. It is open where a period ends and continues in the next. `voxel` in mm.
+// Throws Error "no-surface".
 HiddenVoid hidden_void(const HiddenVoxels&, double voxel, const Work&);
 
 }  // namespace terrazzo::carving

@@ -105,12 +105,25 @@ void take_paint(Context& c, Mode mode, Body& body) {
 }
 
 // Makes holes of the phases of the volume that colors come from.
-void take_hidden(Context& c, Body& body, const std::vector<std::int64_t>& hide) {
+void take_hidden(Context& c, Mode mode, Body& body, const std::vector<std::int64_t>& hide) {
   if (!body.field)
-    throw Error("bad-value", "only phases of a volume that the body's colors come from can be hidden",
-                "connect a volume with the grid 'phase' and set color to volume, or leave hide empty")
+    throw Error(
+        "bad-value",
+        "only phases of a volume that the body's colors come from can be hidden, in modes that carve it",
+        "use mode block, cube, object, vase or knot with color: volume, or leave hide empty")
         .parameter("hide");
-  const HiddenVoxels hidden = hidden_voxels(c.input<Volume>("volume"), hide, c.work());
+  const auto& volume = c.input<Volume>("volume");
+  const Placement placed = placement_of(c);
+  const bool inside = (mode == Mode::Block || mode == Mode::Cube) && c.number("repeat") <= 1 &&
+                      placed.turn.isIdentity() && placed.shift.isZero();
+  if (!volume.periodic() && !inside)
+    throw Error("bad-value", "the body reaches beyond a volume that does not repeat",
+                "use mode block or cube without repeat, turn and shift, or a volume that tiles")
+        .parameter("hide");
+  const auto* particles = c.optional<Particles>("particles");
+  if (has_voids(volume) || (particles && particles->void_count() > 0))
+    c.warn("phases are hidden, so the voids of the packing are shown filled");
+  const HiddenVoxels hidden = hidden_voxels(volume, hide, c.work());
   require_memory(hidden_forecast(hidden, c.work()), c.memory(), "the surface of the hidden phases");
   body.field->cover(hidden, c.work());
   body.hidden = std::make_unique<HiddenVoid>(hidden_void(hidden, body.field->voxel(), c.work().quiet()));
@@ -175,7 +188,7 @@ void check_body(const NodeParameters& p) { placement_of(p); }
 Body body_of(Context& c, Mode mode, std::uint64_t seed, const std::vector<std::int64_t>& hide) {
   Body body;
   if (mode != Mode::Particles) take_paint(c, mode, body);
-  if (!hide.empty()) take_hidden(c, body, hide);
+  if (!hide.empty()) take_hidden(c, mode, body, hide);
   take_solid(c, mode, body, seed);
   return body;
 }

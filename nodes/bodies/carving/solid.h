@@ -24,8 +24,8 @@ struct Voids {
   const Shapes* shapes = nullptr;
   double repeat = 1;  // periods of the longest edge per world unit
   Placement placement;
-  // Whether a point of the material, in mm, is in a void: for voids that a ray may cross the whole body in.
-  // Empty: each void is closed, so that walls tell.
+  // Whether a point of the material, in mm, is in a void: needed if a ray can cross the body without
+  // meeting a wall. If empty, voids are closed and walls decide.
   std::function<bool(const Vec3f&)> holds = {};
 };
 

@@ -17,7 +17,7 @@ struct PhaseOptions {
 };
 
 struct FoundPhases {
-  PhaseMap map;                      // phases from dark to light
+  PhaseMap map;                      // phases from dark to light, or in the order of strokes
   std::vector<double> level, noise;  // of each phase: mean and standard deviation along the axis of
                                      // display-encoded colors that differ most; gray is √3 times the level
   std::vector<Vec3f> color;          // mean, scene-linear

@@ -100,8 +100,8 @@ FoundPhases summary(const Image& image, const GrayPicture& p, const std::vector<
     if (n[k] > 0) out.color[k] /= static_cast<float>(n[k]);
   out.separation = 1e300;
   for (int k = 1; k < phases; ++k)
-    out.separation = std::min(out.separation,
-                              std::abs(out.level[k] - out.level[k - 1]) / (out.noise[k] + out.noise[k - 1]));
+    out.separation =
+        std::min(out.separation, (out.level[k] - out.level[k - 1]) / (out.noise[k] + out.noise[k - 1]));
   double low = 0, high = 0;
   cv::minMaxLoc(p.light, &low, &high);
   out.shading = high - low;

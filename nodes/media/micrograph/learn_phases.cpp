@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/texture/pixel_forest.h"
@@ -44,9 +45,21 @@ std::vector<std::uint8_t> marked(const std::vector<const Strokes*>& strokes, con
   return out;
 }
 
+// Of neighboring levels, which strokes need not have in order.
+double separation_of(const PhaseLevels& levels) {
+  std::vector<std::pair<double, double>> sorted;
+  for (std::size_t k = 0; k < levels.level.size(); ++k) sorted.emplace_back(levels.level[k], levels.noise[k]);
+  std::sort(sorted.begin(), sorted.end());
+  double out = 1e300;
+  for (std::size_t k = 1; k < sorted.size(); ++k)
+    out = std::min(out, (sorted[k].first - sorted[k - 1].first) /
+                            std::max(1e-9, sorted[k].second + sorted[k - 1].second));
+  return out;
+}
+
 }  // namespace
 
-double learn_forecast(const Image& image) { return 260.0 * pixels_in(image.width, image.height); }
+double learn_forecast(const Image& image) { return 420.0 * pixels_in(image.width, image.height); }
 
 FoundPhases learn_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
                          const std::vector<const Strokes*>& strokes, double smoothing, std::uint64_t seed,
@@ -80,6 +93,7 @@ FoundPhases learn_phases(const Image& image, const std::vector<std::uint8_t>& un
   PhaseLevels levels{std::vector<double>(phases, 0), std::vector<double>(phases, 0)};
   measure(picture, field.label, levels);
   FoundPhases out = summary(image, picture, field.label, levels);
+  out.separation = separation_of(levels);
   out.uncertain = field.uncertain(picture.in, cost);
   return out;
 }

@@ -13,6 +13,7 @@
 #include "nodes/data/volume.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
+#include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
@@ -141,6 +142,30 @@ TEST(HiddenPhases, VoxelsOfThePhasesAreHidden) {
   other.grids = {
       dense_grid<openvdb::FloatGrid>("density", h.size, 0.25, {}, [](std::size_t) { return 1.0f; })};
   EXPECT_EQ(test::code_of([&] { hidden_voxels(other, {0}); }), "no-such-grid");
+}
+
+TEST(HiddenPhases, TheNodeRefusesWhatItCannotHide) {
+  const auto render = [&](const HiddenVoxels& h, const std::string& hide, const std::string& mode) {
+    Volume volume = phases_of(h);
+    if (!h.periodic) {
+      volume.resolution = Vec3i::Zero();
+      volume.extent = h.size;
+    }
+    return test::code_of([&] {
+      test::run_node("RenderSolid", {{"volume", Value::of(volume)}},
+                     {{"hide", hide}, {"mode", mode}, {"width", "24"}, {"height", "24"}, {"samples", "2"}});
+    });
+  };
+  const HiddenVoxels balls = hidden_balls(true);
+  EXPECT_EQ(render(balls, "[2, 2]", "block"), "");
+  EXPECT_EQ(render(balls, "[2]", "knot"), "");
+  EXPECT_EQ(render(balls, "[7]", "block"), "no-such-phase");
+  EXPECT_EQ(render(hidden_balls(false), "[2]", "cube"), "");
+  EXPECT_EQ(render(hidden_balls(false), "[2]", "knot"), "bad-value");
+  HiddenVoxels speck{kSize, true, std::vector<std::uint8_t>(voxels_in(kSize), 0)};
+  speck.in[1000] = 1;
+  EXPECT_EQ(render(speck, "[2]", "block"), "no-surface");
+  EXPECT_EQ(render(speck, "[1]", "block"), "no-surface");
 }
 
 TEST(HiddenPhases, WallsHaveNoColorOfWhatIsHidden) {

@@ -73,6 +73,8 @@ TEST(LearnPhases, StrokesTellPhasesOfEqualGray) {
   // The order of the strokes numbers the phases.
   const auto turned = learn_phases(image, {}, {&taught[2], &taught[0], &taught[1]}, 1, 1, {});
   EXPECT_GT(turned.level[0], turned.level[1] + 0.1);
+  EXPECT_GE(turned.separation, 0);
+  EXPECT_LT(turned.separation, 0.5);  // two phases of one gray
 }
 
 TEST(LearnPhases, TheNodeTakesStrokesOfEachPhase) {
