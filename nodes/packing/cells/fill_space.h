@@ -6,7 +6,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/packing/cells/laguerre.h"
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 
 namespace terrazzo::tessellation {
 

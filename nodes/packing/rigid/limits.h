@@ -1,7 +1,7 @@
 // Checks before any work: packings that cannot exist, and those that do not fit into memory.
 #pragma once
 
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "runtime/memory.h"
 
 namespace terrazzo::packing {

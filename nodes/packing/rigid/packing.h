@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "runtime/work.h"
 
 namespace terrazzo::packing {

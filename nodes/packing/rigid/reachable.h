@@ -1,7 +1,7 @@
 // Estimates how dense a population can be packed, before it is packed.
 #pragma once
 
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "nodes/packing/rigid/schedule.h"
 
 namespace terrazzo::packing {

@@ -17,7 +17,7 @@ NodeType& declare_population(NodeType& type) {
                            "x, y and z. auto: a cube for about `count` particles, at least three times the "
                            "largest particle unless that would need ten times as many, or more than 2,500. "
                            "If even a box that the largest particle just fits into would hold more than "
-                           "5,000 and `count`, smallest particles are left to the binder."))
+                           "5,000 and `count`, the smallest particles are left to the binder."))
       .parameter(Parameter::integer("count", 2000)
                      .range(1, 1000000)
                      .doc_("Number of particles for which an automatic box is sized"))

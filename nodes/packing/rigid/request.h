@@ -2,7 +2,7 @@
 #pragma once
 
 #include "graph/node_type.h"
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "runtime/context.h"
 
 namespace terrazzo::packing {

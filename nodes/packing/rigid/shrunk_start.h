@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 
 namespace terrazzo::packing {
 

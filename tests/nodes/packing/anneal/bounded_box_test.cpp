@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "tests/nodes/packing/anneal/packing_support.h"
 
 namespace terrazzo {

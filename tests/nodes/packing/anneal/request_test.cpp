@@ -6,7 +6,7 @@
 
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/packing/rigid/limits.h"
-#include "nodes/packing/rigid/population.h"
+#include "nodes/packing/rigid/population/population.h"
 #include "tests/nodes/packing/anneal/packing_support.h"
 
 namespace terrazzo {
