@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/ml.hpp>
 
@@ -23,7 +24,9 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
   const int width = image.width, height = image.height;
   std::vector<Vec3f> lab(pixels_in(width, height));
   const Vec3f* first = image.pixels.data() + image.index(0, 0, section);
-  for (std::size_t i = 0; i < lab.size(); ++i) lab[i] = linear_to_oklab(first[i]);
+  work.quiet().parallel(lab.size(), 1 << 14, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) lab[i] = linear_to_oklab(first[i]);
+  });
   cv::setNumThreads(1);  // one thread per scale
   cv::Mat out(count_of(lab), kFeatures, CV_32F);
   const cv::Mat color(height, width, CV_32FC3, lab.data());
@@ -31,16 +34,17 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
     for (std::size_t s = begin; s < end; ++s) {
       const double sigma = kSigmas[s];
       const float scale = sigma;
-      cv::Mat smooth, plane[3], dx, dy, xx, xy, yy, gradient, txx, txy, tyy;
+      cv::Mat smooth, plane[3], dx, dy, xx, xy, yy, txx, txy, tyy;
       cv::GaussianBlur(color, smooth, cv::Size(0, 0), sigma, sigma, cv::BORDER_REFLECT_101);
       cv::split(smooth, plane);
       cv::Sobel(plane[0], dx, CV_32F, 1, 0, 3, 0.125);
       cv::Sobel(plane[0], dy, CV_32F, 0, 1, 3, 0.125);
-      cv::Sobel(dx, xx, CV_32F, 1, 0, 3, 0.125), cv::Sobel(dx, xy, CV_32F, 0, 1, 3, 0.125),
-          cv::Sobel(dy, yy, CV_32F, 0, 1, 3, 0.125);
-      cv::GaussianBlur(dx.mul(dx), txx, cv::Size(0, 0), 1.5 * sigma),
-          cv::GaussianBlur(dx.mul(dy), txy, cv::Size(0, 0), 1.5 * sigma),
-          cv::GaussianBlur(dy.mul(dy), tyy, cv::Size(0, 0), 1.5 * sigma);
+      cv::Sobel(dx, xx, CV_32F, 1, 0, 3, 0.125);
+      cv::Sobel(dx, xy, CV_32F, 0, 1, 3, 0.125);
+      cv::Sobel(dy, yy, CV_32F, 0, 1, 3, 0.125);
+      cv::GaussianBlur(dx.mul(dx), txx, cv::Size(0, 0), 1.5 * sigma);
+      cv::GaussianBlur(dx.mul(dy), txy, cv::Size(0, 0), 1.5 * sigma);
+      cv::GaussianBlur(dy.mul(dy), tyy, cv::Size(0, 0), 1.5 * sigma);
       const auto eigenvalues = [](float a, float b, float c, float* to) {
         const float middle = (a + c) / 2, apart = std::sqrt((a - c) * (a - c) / 4 + b * b);
         to[0] = middle + apart;
@@ -66,7 +70,7 @@ cv::Mat features_of(const Image& image, int section, const Work& work) {
 
 }  // namespace
 
-std::vector<std::uint32_t> pixels_of(const Strokes* strokes, int width, int height) {
+std::vector<std::uint32_t> stroked_pixels(const Strokes* strokes, int width, int height) {
   std::vector<std::uint32_t> pixels;
   if (strokes)
     for (const Stroke& s : strokes->strokes) {
@@ -88,7 +92,7 @@ PixelForest::PixelForest(const Image& image, int section, const std::vector<Taug
   const cv::Mat features = features_of(image, section, work);
   std::vector<std::pair<std::uint32_t, int>> samples;
   for (const TaughtClass& t : taught) {
-    auto pixels = pixels_of(t.strokes, image.width, image.height);
+    auto pixels = t.pixels;
     Random random(seed, 0x5c1b, static_cast<std::uint64_t>(t.number));
     for (std::size_t k = 0; k < std::min(kMostSamples, pixels.size()); ++k) {
       std::swap(pixels[k], pixels[k + random.below(pixels.size() - k)]);

@@ -11,18 +11,18 @@
 
 namespace terrazzo {
 
-// Strokes that show one class, in pixels of a section.
+// Pixels of a section that show one class.
 struct TaughtClass {
   int number = 0;
-  const Strokes* strokes = nullptr;
+  std::vector<std::uint32_t> pixels;
 };
 
 // The pixels under strokes, sorted and unique. `strokes` may be null.
-std::vector<std::uint32_t> pixels_of(const Strokes* strokes, int width, int height);
+std::vector<std::uint32_t> stroked_pixels(const Strokes* strokes, int width, int height);
 
 // Features are color, gradient, Laplacian, and eigenvalues of the Hessian and of the structure tensor at four
-// scales (as in ilastik; Berg et al. 2019), learned by 60 trees (Breiman 2001). 160 bytes per pixel of a
-// section.
+// scales (as in ilastik; Berg et al. 2019), learned by 60 trees (Breiman 2001). Up to 400 bytes per
+// pixel of a section, with four threads.
 class PixelForest {
  public:
   // Classes without a pixel are not learned; at least one has some.

@@ -79,6 +79,13 @@ void measure(const GrayPicture& p, const std::vector<std::uint8_t>& label, Phase
   }
 }
 
+double separation(const PhaseLevels& levels) {
+  double out = 1e300;
+  for (std::size_t k = 1; k < levels.level.size(); ++k)
+    out = std::min(out, (levels.level[k] - levels.level[k - 1]) / (levels.noise[k] + levels.noise[k - 1]));
+  return out;
+}
+
 FoundPhases summary(const Image& image, const GrayPicture& p, const std::vector<std::uint8_t>& label,
                     const PhaseLevels& levels) {
   const int phases = count_of(levels.level);
@@ -98,10 +105,7 @@ FoundPhases summary(const Image& image, const GrayPicture& p, const std::vector<
   }
   for (int k = 0; k < phases; ++k)
     if (n[k] > 0) out.color[k] /= static_cast<float>(n[k]);
-  out.separation = 1e300;
-  for (int k = 1; k < phases; ++k)
-    out.separation =
-        std::min(out.separation, (out.level[k] - out.level[k - 1]) / (out.noise[k] + out.noise[k - 1]));
+  out.separation = separation(levels);
   double low = 0, high = 0;
   cv::minMaxLoc(p.light, &low, &high);
   out.shading = high - low;

@@ -29,6 +29,9 @@ struct PhaseLevels {
 // Of the observed pixels; a phase without any keeps what it has.
 void measure(const GrayPicture&, const std::vector<std::uint8_t>& label, PhaseLevels&);
 
+// The smallest distance between successive levels, in sums of their noise; below 0 if they are not in order.
+double separation(const PhaseLevels&);
+
 // All but `uncertain`.
 FoundPhases summary(const Image&, const GrayPicture&, const std::vector<std::uint8_t>& label,
                     const PhaseLevels&);

@@ -14,47 +14,44 @@
 namespace terrazzo::media {
 namespace {
 
-constexpr int kDecisions = 10;
-constexpr double kNoVote = 1e-3;  // probability of a phase that no tree says
-constexpr double kNever = 1e6;    // cost of another phase under a stroke
+constexpr int kDecisions = 10;        // as in find_phases(): hardly a pixel changes afterwards
+constexpr double kNoVote = 0.5 / 60;  // probability of a phase that none of 60 trees says: half a vote
+constexpr double kNever = 1e6;        // cost of another phase under a stroke
 
 using Votes = std::vector<std::vector<float>>;  // [phase][pixel], 0 to 1
 
-std::vector<TaughtClass> taught_by(const std::vector<const Strokes*>& strokes, const Image& image) {
-  if (strokes.size() < 2 || strokes.size() > kMostPhases)
-    throw Error(
-        "wrong-count",
-        fmt::format("there are strokes for {} phases, but 2 to {} are possible", strokes.size(), kMostPhases),
-        "connect one node Strokes for each phase");
-  std::vector<TaughtClass> out;
-  for (int k = 0; k < count_of(strokes); ++k) {
-    if (pixels_of(strokes[k], image.width, image.height).empty())
-      throw Error("no-strokes", fmt::format("no pixel is marked as phase {}", k),
-                  "draw strokes inside the picture for each phase");
-    out.push_back({k, strokes[k]});
-  }
-  return out;
-}
-
-// The phase of each stroke's pixels; kUnobserved elsewhere.
-std::vector<std::uint8_t> marked(const std::vector<const Strokes*>& strokes, const Image& image) {
-  std::vector<std::uint8_t> out(pixels_in(image.width, image.height), kUnobserved);
+// The phase of each stroke's pixels, the last one's if strokes overlap; kUnobserved elsewhere.
+std::vector<std::uint8_t> marked(const std::vector<const Strokes*>& strokes, const GrayPicture& picture) {
+  std::vector<std::uint8_t> out(picture.in.size(), kUnobserved);
   for (std::size_t k = 0; k < strokes.size(); ++k)
-    for (const std::uint32_t at : pixels_of(strokes[k], image.width, image.height))
-      out[at] = static_cast<std::uint8_t>(k);
+    for (const std::uint32_t at : stroked_pixels(strokes[k], picture.width, picture.height))
+      if (picture.in[at]) out[at] = static_cast<std::uint8_t>(k);
   return out;
 }
 
-// Of neighboring levels, which strokes need not have in order.
+std::vector<TaughtClass> taught_by(const std::vector<std::uint8_t>& marks, int phases) {
+  std::vector<TaughtClass> out(phases);
+  for (int k = 0; k < phases; ++k) out[k].number = k;
+  for (std::size_t i = 0; i < marks.size(); ++i)
+    if (marks[i] != kUnobserved) out[marks[i]].pixels.push_back(static_cast<std::uint32_t>(i));
+  for (const TaughtClass& t : out)
+    if (t.pixels.empty())
+      throw Error("no-strokes", fmt::format("no pixel is marked as phase {}", t.number),
+                  "draw strokes on each phase, inside the picture, off the mask, and not over one another");
+  return out;
+}
+
+// Strokes need not have their levels in order.
 double separation_of(const PhaseLevels& levels) {
   std::vector<std::pair<double, double>> sorted;
   for (std::size_t k = 0; k < levels.level.size(); ++k) sorted.emplace_back(levels.level[k], levels.noise[k]);
   std::sort(sorted.begin(), sorted.end());
-  double out = 1e300;
-  for (std::size_t k = 1; k < sorted.size(); ++k)
-    out = std::min(out, (sorted[k].first - sorted[k - 1].first) /
-                            std::max(1e-9, sorted[k].second + sorted[k - 1].second));
-  return out;
+  PhaseLevels in_order;
+  for (const auto& [level, noise] : sorted) {
+    in_order.level.push_back(level);
+    in_order.noise.push_back(noise);
+  }
+  return separation(in_order);
 }
 
 }  // namespace
@@ -64,12 +61,15 @@ double learn_forecast(const Image& image) { return 420.0 * pixels_in(image.width
 FoundPhases learn_phases(const Image& image, const std::vector<std::uint8_t>& unobserved,
                          const std::vector<const Strokes*>& strokes, double smoothing, std::uint64_t seed,
                          const Work& work) {
-  const GrayPicture picture = gray_picture(image, unobserved);
-  const auto taught = taught_by(strokes, image);
   const int phases = count_of(strokes);
-  const Votes votes =
-      PixelForest(image, 0, taught, seed, work.part(0, 0.3)).classify(image, 0, phases, work.part(0.3, 0.8));
-  const auto marks = marked(strokes, image);
+  if (phases < 2 || phases > kMostPhases)
+    throw Error("wrong-count",
+                fmt::format("there are strokes for {} phases, but 2 to {} are possible", phases, kMostPhases),
+                "connect one node Strokes for each phase");
+  const GrayPicture picture = gray_picture(image, unobserved);
+  const auto marks = marked(strokes, picture);
+  const Votes votes = PixelForest(image, 0, taught_by(marks, phases), seed, work.part(0, 0.3))
+                          .classify(image, 0, phases, work.part(0.3, 0.8));
   const auto cost = [&](int x, int y) {
     const std::size_t at = pixel_at(x, y, image.width);
     Costs out{};

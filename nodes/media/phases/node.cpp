@@ -118,16 +118,14 @@ NodeType phases_node() {
   NodeType type =
       NodeType("Phases", 3)
           .doc_(
-              "Finds the phases of a micrograph by their gray levels, in spite of noise and uneven light, or "
-              "by "
+              "Finds the phases of a micrograph by gray level, in spite of noise and uneven light, or by "
               "strokes")
           .source_("Zhang, Brady and Smith 2001; Otsu 1979; Weszka and Rosenfeld 1979; Berg et al. 2019")
           .input("image", "Image", "Micrograph, in gray or color")
           .optional_input("mask", {"Labels"}, "Pixels to ignore, where labels are not 0, such as cracks")
-          .input_list(
-              "strokes", {"Strokes"},
-              "Strokes on each phase, first those on phase 0. The others' pixels are taken for what they "
-              "look most like, instead of by gray level alone.")
+          .input_list("strokes", {"Strokes"},
+                      "Strokes on each phase, first those on phase 0. Every other pixel gets the phase that "
+                      "it looks most like.")
           .output(
               "labels", "Labels",
               "Phase at each pixel, 0 for the darkest or first stroked; phase p > 0 is profile p. Ignored "
@@ -137,7 +135,8 @@ NodeType phases_node() {
           .output("figure", "Image", "The picture beside its phases; ignored pixels are red")
           .parameter(Parameter::optional_integer("phases", "auto")
                          .range(2, kMostPhases)
-                         .doc_("Number of phases. auto: as many as the histogram has peaks, at most 5."))
+                         .doc_("Number of phases. auto: as many as the histogram has peaks, at most 5, or as "
+                               "there are strokes."))
           .parameter(
               Parameter::number("smoothing", 1)
                   .range(0, 10)

@@ -15,19 +15,18 @@ enum Class { Binder = 0, Particle = 1, NotMaterial = 2 };
 
 PixelForest learned(const Image& image, int section, const Scribbles& scribbles, std::uint64_t seed,
                     const Work& work) {
-  for (const auto* strokes : {scribbles.particles, scribbles.binder})
-    if (pixels_of(strokes, image.width, image.height).empty())
+  const auto taught = [&](Class number, const Strokes* strokes) {
+    return TaughtClass{number, stroked_pixels(strokes, image.width, image.height)};
+  };
+  const std::vector<TaughtClass> classes{taught(Particle, scribbles.particles),
+                                         taught(Binder, scribbles.binder),
+                                         taught(NotMaterial, scribbles.not_material)};
+  for (const Class needed : {Particle, Binder})
+    if (classes[needed == Particle ? 0 : 1].pixels.empty())
       throw Error(
-          "no-strokes",
-          std::string("no pixel is marked as ") + (strokes == scribbles.particles ? "particle" : "binder"),
-          "connect strokes on particles to particle_strokes and strokes on the binder to "
-          "binder_strokes");
-  return {
-      image,
-      section,
-      {{Particle, scribbles.particles}, {Binder, scribbles.binder}, {NotMaterial, scribbles.not_material}},
-      seed,
-      work};
+          "no-strokes", std::string("no pixel is marked as ") + (needed == Particle ? "particle" : "binder"),
+          "connect strokes on particles to particle_strokes and strokes on the binder to binder_strokes");
+  return {image, section, classes, seed, work};
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/texture/pixel_forest.h"
 #include "nodes/data/image.h"
 #include "nodes/data/labels.h"
 #include "nodes/media/micrograph/learn_phases.h"
@@ -112,6 +113,12 @@ TEST(LearnPhases, StrokesOnEachOfTwoPhasesAreNeeded) {
   EXPECT_EQ(code({&some}), "wrong-count");
   EXPECT_EQ(code({&some, &none}), "no-strokes");
   EXPECT_EQ(code({&some, &outside}), "no-strokes");
+  // The last of overlapping strokes counts, and ignored pixels teach nothing.
+  EXPECT_EQ(code({&some, &some}), "no-strokes");
+  const Strokes other = dabs(1, 3);
+  std::vector<std::uint8_t> ignored(kEdge * kEdge, 0);
+  for (const std::uint32_t at : stroked_pixels(&other, kEdge, kEdge)) ignored[at] = 1;
+  EXPECT_EQ(test::code_of([&] { learn_phases(image, ignored, {&some, &other}, 1, 1, {}); }), "no-strokes");
 }
 
 }  // namespace
