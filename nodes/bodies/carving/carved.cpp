@@ -45,12 +45,16 @@ class Hollowed : public Solid {
  private:
   // Whether a hole is open at a point where a ray enters the body, and the wall that the ray meets next.
   bool opens(const Vec3f& p, const Vec3f& d, HollowHit& wall) const {
-    const bool found = hollows_->nearest(p, d, wall);
-    if (!hollows_->known()) return found && wall.leaves;
-    if (!found) wall.at = std::numeric_limits<float>::max();
+    if (!hollows_->known()) return hollows_->nearest(p, d, wall) && wall.leaves;
+    // A wall that lies in the body's face is behind the ray.
+    const Vec3f inside = p + kBeyond * d;
+    if (hollows_->nearest(inside, d, wall))
+      wall.at += kBeyond;
+    else
+      wall.at = std::numeric_limits<float>::max();
     SurfacePoint end;
     float to;
-    if (!body_->meet(p + kBeyond * d, d, end, to)) return false;
+    if (!body_->meet(inside, d, end, to)) return false;
     // A hole may also end where the body does. Halfway to there, walls are far.
     return wall.at < to ? wall.leaves : hollows_->holds(p + to / 2 * d);
   }

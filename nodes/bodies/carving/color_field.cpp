@@ -114,13 +114,13 @@ void ColorField::cover(const HiddenVoxels& hidden, const Work& work) {
       for (int z = static_cast<int>(begin); z < static_cast<int>(end); ++z)
         for (int y = 0; y < n.y(); ++y)
           for (int x = 0; x < n.x(); ++x)
-            if (const std::size_t at = voxel_at(x, y, z, n); before[at] && cover(before, {x, y, z}))
+            if (const std::size_t at = voxel_at(x, y, z, n); before[at] && cover_voxel(before, {x, y, z}))
               open[at] = 0;
     });
   }
 }
 
-bool ColorField::cover(const std::vector<std::uint8_t>& open, const Vec3i& at) {
+bool ColorField::cover_voxel(const std::vector<std::uint8_t>& open, const Vec3i& at) {
   Vec3f sum = Vec3f::Zero();
   int found = 0;
   for (int k = 0; k < 27; ++k) {

@@ -49,8 +49,8 @@ class ColorField {
   template <class Grid, class ColorOf>
   void copy(const Volume&, const Grid&, const Work&, ColorOf&&);
   void set(std::size_t index, const Vec3f& linear, std::size_t& outside);
-  // Whether a voxel at or around `at` is not open; then `at` has their mean color.
-  bool cover(const std::vector<std::uint8_t>& open, const Vec3i& at);
+  // Sets the mean color of the voxels around `at` that are not open; false if there are none.
+  bool cover_voxel(const std::vector<std::uint8_t>& open, const Vec3i& at);
   int wrap(int i, int axis) const;
   Vec3f squared(int x, int y, int z) const {
     const auto& v = voxels_[voxel_at(x, y, z, resolution_)];

@@ -107,6 +107,28 @@ TEST(HiddenPhases, RaysPassWhatIsHiddenAndMeetTheRest) {
     }
 }
 
+// Its surface lies exactly in the block's lower face.
+TEST(HiddenPhases, AHiddenLayerIsOpenWhereItEndsInAFace) {
+  HiddenVoxels h{kSize, true, std::vector<std::uint8_t>(voxels_in(kSize), 0)};
+  std::fill_n(h.in.begin(), h.in.size() / 2, 1);
+  const HiddenVoid hole = hidden_void(h, 0.25, {});
+  const GrayPaint gray;
+  const auto block = block_solid(
+      gray, 0, 0.001, {&hole.particles, &hole.shapes, 1, {}, [&](const Vec3f& p) { return hole.holds(p); }});
+  const float height = gray.period().z();
+  for (int k = 0; k < 500; ++k) {
+    Random r(7, 8, k);
+    const Vec3f at(static_cast<float>(r.uniform(0.3, 0.5)), static_cast<float>(r.uniform(0.4, 0.6)), 0);
+    const Vec3f up = Vec3f(0.1f * static_cast<float>(r.normal()), 0.1f * static_cast<float>(r.normal()), 1);
+    const Vec3f d = up.normalized();
+    SurfacePoint s;
+    ASSERT_TRUE(block->nearest(at - d, d, s));
+    EXPECT_NEAR(s.position.z(), height / 2, 0.002f) << k;
+    ASSERT_TRUE(block->nearest(at + Vec3f(0, 0, height) + d, -d, s));
+    EXPECT_NEAR(s.position.z(), height, 1e-4f) << k;
+  }
+}
+
 TEST(HiddenPhases, TheSurfaceOfABallIsWhereTheBallEnds) {
   HiddenVoxels h{Vec3i::Constant(32), true, std::vector<std::uint8_t>(32768, 0)};
   const double radius = 10;
