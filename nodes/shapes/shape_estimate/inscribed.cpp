@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "nodes/common/geometry/mesh/loop_hull.h"
+#include "nodes/common/geometry/mesh/loop.h"
 
 namespace terrazzo::shape_estimate {
 namespace {
@@ -20,9 +20,12 @@ void enlarge(const std::vector<Vec2>& hull, std::vector<std::size_t>& corner) {
       const auto height = [&](std::size_t i) { return cross(hull[i] - hull[from], side); };
       double most = height(corner[j]);
       for (const std::size_t step : {std::size_t{1}, n - 1}) {  // ahead and back
-        for (std::size_t i = corner[j];; most = height(i), corner[j] = i, moved = true) {
-          i = i + step < n ? i + step : i + step - n;
-          if (i == from || i == to || height(i) <= most) break;
+        std::size_t next = (corner[j] + step) % n;
+        while (next != from && next != to && height(next) > most) {
+          most = height(next);
+          corner[j] = next;
+          moved = true;
+          next = (next + step) % n;
         }
       }
     }

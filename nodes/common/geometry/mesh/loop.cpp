@@ -1,4 +1,4 @@
-#include "nodes/common/geometry/mesh/loop_hull.h"
+#include "nodes/common/geometry/mesh/loop.h"
 
 #include <algorithm>
 #include <cmath>

@@ -16,6 +16,8 @@ double turn_between(const Vec2& before, const Vec2& after);  // angle, −π to 
 double loop_area(const Loop&);  // signed
 double loop_perimeter(const Loop&);
 bool loop_contains(const Loop&, const Vec2& p);  // by crossings, whatever the orientation
-double hull_area(Loop points);                   // of the convex hull
+// The corners of the convex hull, counterclockwise (Andrew 1979); empty for fewer than three points.
+Loop hull_of(Loop points);
+double hull_area(Loop points);
 
 }  // namespace terrazzo

@@ -101,9 +101,10 @@ TEST(ShapeEstimateFit, FamiliesStayClosedWhateverTheNumbers) {
   o.kind = SolidKind::Clinker;
   o.detail = 2;
   const Mesh start = stone_mesh(o);
-  for (int kind = 0; kind < 3; ++kind) {
+  for (int kind = 0; kind < 4; ++kind) {
     const auto family = kind == 0   ? deformed_bodies(start, 1)
                         : kind == 1 ? faceted_bodies(1, 7)
+                        : kind == 2 ? faceted_bodies(start, 1)
                                     : modeled_bodies(1, 7);
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
       Random r(seed, 4);
