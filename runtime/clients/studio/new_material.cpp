@@ -137,6 +137,21 @@ NewFile write_graph(const fs::path& photo, const fs::path& folder, Content conte
                     graph_of_photograph(relative, photo.stem().string(), content, settings));
 }
 
+// The files of a material are named after it: aggregate.glb becomes TITLE.glb, and preview.png
+// TITLE_preview.png.
+std::string name_files(std::string text, const fs::path& file, const std::string& title) {
+  Diagnostics found;
+  for (const auto& n : read_document(text, file, found).nodes)
+    for (const auto& [name, value] : n.params) {
+      if (n.type != "Export" || name != "path") continue;
+      const fs::path path = value.written.text();
+      const std::string stem = path.stem() == "aggregate" ? title : title + "_" + path.stem().string();
+      const WrittenValue now = read_written(yaml_word(stem + path.extension().string()));
+      text = edit_document(text, file, {Edit::Kind::SetParameter, n.name, name, now});
+    }
+  return text;
+}
+
 // The graph of the particles in a photograph, without the subgraph that it uses.
 Source particles_graph(const fs::path& folder) {
   const Source outer = read_source(folder / "aggregate.yaml");
@@ -180,6 +195,7 @@ std::string graph_of_photograph(const std::string& photo, const std::string& tit
   for (const auto& [name, value] : all)
     text = edit_document(text, source.doc.file,
                          {Edit::Kind::SetDefault, "", name, read_written(yaml_word(value))});
+  text = name_files(std::move(text), source.doc.file, title);
   return set_yaml_entry(text, {"name"}, yaml_word(title)).value_or(text);
 }
 

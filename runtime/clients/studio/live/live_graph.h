@@ -73,6 +73,10 @@ class LiveGraph {
   nlohmann::json subgraph(const std::string& path);
   // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
   nlohmann::json files();
+  // The files that the graph writes, and where: {folder, files}; see written_files.h.
+  nlohmann::json outputs();
+  // One of these files. Throws Error "no-file".
+  std::filesystem::path output(const std::string& path);
   // Keeps where nodes and notes are: see arrangement.h and Document::arrange().
   void arrange(const nlohmann::json&, const std::string& group = {});
 

@@ -5,6 +5,7 @@
 #include "runtime/clients/studio/live/arrangement.h"
 #include "runtime/clients/studio/live/document_json.h"
 #include "runtime/clients/studio/live/live_graph.h"
+#include "runtime/clients/studio/live/written_files.h"
 #include "runtime/files/natural_order.h"
 #include "runtime/json_text.h"
 
@@ -100,6 +101,17 @@ json LiveGraph::files() {
   }
   std::ranges::sort(list, natural_less);
   return {{"files", list}, {"more", more}};
+}
+
+json LiveGraph::outputs() {
+  const std::lock_guard lock(mutex_);
+  const fs::path folder = fs::absolute(session_.options().output_folder).lexically_normal();
+  return {{"folder", folder.string()}, {"files", written_files(*session_.graph(), states_, folder)}};
+}
+
+fs::path LiveGraph::output(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  return written_file(*session_.graph(), states_, session_.options().output_folder, path);
 }
 
 void LiveGraph::arrange(const json& arrangement, const std::string& group) {

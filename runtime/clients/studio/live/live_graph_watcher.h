@@ -36,6 +36,7 @@ struct LiveGraph::Watcher : Observer {
     NodeState* s = pending(node);
     if (!s) return;
     s->state = "running";
+    s->started = std::chrono::steady_clock::now();
     s->progress = 0;
     s->note.clear();
     owner.tell_node(path(node));

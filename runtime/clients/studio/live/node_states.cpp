@@ -30,10 +30,20 @@ json json_of(const NodeState& s) {
   for (const auto& f : s.result.files) files.push_back(f.path);
   for (const auto& [port, p] : s.previews)
     previews[port] = {{"type", p.value.type().name}, {"number", p.number}};
-  json out = {{"state", s.state},     {"progress", s.progress},      {"note", s.note},
-              {"seconds", s.seconds}, {"expected", s.expected},      {"reasons", s.reasons},
-              {"outputs", outputs},   {"metrics", s.result.metrics}, {"warnings", s.result.warnings},
-              {"files", files},       {"previews", previews}};
+  json out = {{"type", s.type},
+              {"state", s.state},
+              {"progress", s.progress},
+              {"note", s.note},
+              {"seconds", s.seconds},
+              {"expected", s.expected},
+              {"reasons", s.reasons},
+              {"outputs", outputs},
+              {"metrics", s.result.metrics},
+              {"warnings", s.result.warnings},
+              {"files", files},
+              {"previews", previews}};
+  if (s.state == "running")
+    out["elapsed"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - s.started).count();
   if (s.result.error) out["error"] = json_of(*s.result.error);
   return out;
 }
@@ -45,6 +55,7 @@ void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool r
     const auto before = states.find(path);
     NodeState s = before == states.end() ? NodeState{} : std::move(before->second);
     const Plan::Node& p = plan.nodes[i];
+    s.type = graph.nodes[i].type->name;
     s.expected = p.seconds;
     s.progress = 0;
     s.note.clear();

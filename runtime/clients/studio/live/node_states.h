@@ -18,6 +18,7 @@ struct Preview {
 };
 
 struct NodeState {
+  std::string type;  // of the node
   // "cached", "stale", "waiting", "running", "computed", "failed", "skipped", "canceled"
   std::string state = "stale";
   double progress = 0;
@@ -28,7 +29,8 @@ struct NodeState {
   NodeResult result;                 // of the last run; of an earlier graph while the state is not final
   // By port. While the node waits and runs; the last ones of an earlier run stay until there are new ones.
   std::map<std::string, Preview> previews = {};
-  std::chrono::steady_clock::time_point told{};  // when progress was last reported
+  std::chrono::steady_clock::time_point started{};  // if it runs
+  std::chrono::steady_clock::time_point told{};     // when progress was last reported
   std::size_t told_state = 0;  // hash of what was last reported otherwise; 0: something else
 };
 

@@ -1,6 +1,9 @@
 #include "runtime/clients/studio/server/graph_routes.h"
 
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "graph/document/paste_nodes.h"
@@ -57,6 +60,18 @@ Edit edit_of(const json& j) {
   return e;
 }
 
+// Sends a file piece by piece: grids may be larger than memory. The page names the download.
+void send_file(const std::filesystem::path& path, httplib::Response& out) {
+  const auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
+  out.set_content_provider(std::filesystem::file_size(path), "application/octet-stream",
+                           [file](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                             std::string piece(std::min(length, std::size_t{1} << 16), '\0');
+                             file->seekg(static_cast<std::streamoff>(offset));
+                             file->read(piece.data(), static_cast<std::streamsize>(piece.size()));
+                             return *file && sink.write(piece.data(), piece.size());
+                           });
+}
+
 }  // namespace
 
 std::vector<Edit> edits_of(const json& list) {
@@ -103,6 +118,12 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
   }));
   http.Get("/api/files", server.handler([&live](const In&, const json&, Out& out) {
     LocalServer::answer(out, live.files());
+  }));
+  http.Get("/api/outputs", server.handler([&live](const In&, const json&, Out& out) {
+    LocalServer::answer(out, live.outputs());
+  }));
+  http.Get("/api/output", server.handler([&live](const In& in, const json&, Out& out) {
+    send_file(live.output(in.get_param_value("path")), out);
   }));
   http.Post("/api/arrange", server.handler([&live](const In&, const json& body, Out& out) {
     live.arrange(body.at("arrangement"), body.value("group", ""));

@@ -1,24 +1,26 @@
+import { WroteFiles } from './files';
 import { secondsText } from './format';
+import { progressText } from './progress';
 import { SaveAs } from './start';
 import { post, priceText, save, showStart, useStore } from './store';
+import { useProgress } from './waiting';
 
 export function Bar() {
   const doc = useStore(s => s.doc);
   const run = useStore(s => s.run);
   const online = useStore(s => s.online);
   const drawer = useStore(s => s.drawer);
-  const running = useStore(s => Object.values(s.nodes).filter(n => n.state === 'running').length);
-  const waiting = useStore(s => Object.values(s.nodes).filter(n => n.state === 'waiting').length);
   const failed = useStore(s => Object.values(s.nodes).filter(n => n.state === 'failed').length);
   const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
-  const price = useStore(s => s.price);
-  const toggle = (d: 'yaml' | 'messages' | 'history') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
+  const price = useStore(s => s.price), progress = useProgress();
+  const toggle = (d: 'yaml' | 'messages' | 'history' | 'files') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
   const status = !online ? 'not connected'
     : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
-    : run.running ? `${running || waiting ? `${running} running, ${waiting} waiting` : `${run.unfinished.toLocaleString('en-US')} unfinished`}${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}`
-    : failed ? `${failed} failed` : stale ? `${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
+    : run.running ? (progress.total ? progressText(progress) : `${run.unfinished.toLocaleString('en-US')} unfinished`)
+    : failed ? `${failed} failed` : progress.canceled ? `canceled, ${progress.done} of ${progress.total} done`
+    : stale ? `${run.live ? '' : 'paused, '}${stale} to run${run.expected > 0 ? `, about ${secondsText(run.expected)}` : ''}` : run.seconds ? `done in ${secondsText(run.seconds)}` : 'up to date';
   return (
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
@@ -30,6 +32,7 @@ export function Bar() {
         <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
         <button disabled={!doc} onClick={() => useStore.setState({ savingAs: true })} title="Save under another name">Save as…</button>
       </div>
+      {run.running && <div className="share" aria-hidden="true"><i style={{ width: `${100 * Math.min(progress.share, 0.99)}%` }} /></div>}
       <div className="space" />
       <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status">{status}</span>
       {run.running && <button onClick={() => void post('/api/cancel')}>Cancel</button>}
@@ -38,6 +41,7 @@ export function Bar() {
       </label>
       <button className="primary" disabled={!doc?.valid} onClick={() => void post('/api/run')} title="Evaluate everything and write the output files">Run and write files</button>
       <div className="group">
+        <button aria-pressed={drawer === 'files'} onClick={() => toggle('files')} title="The files that the graph writes">Files</button>
         <button aria-pressed={drawer === 'history'} onClick={() => toggle('history')}>History</button>
         <button aria-pressed={drawer === 'messages'} onClick={() => toggle('messages')}>Messages{doc?.messages.length ? ` (${doc.messages.length})` : ''}</button>
         <button aria-pressed={drawer === 'yaml'} onClick={() => toggle('yaml')}>YAML</button>
@@ -66,6 +70,7 @@ export function Notices() {
           <button onClick={() => void post('/api/reload')}>Load its version</button>
           <button onClick={() => void post('/api/save', { overwrite: true })}>Overwrite it</button></p>
       )}
+      <WroteFiles />
       {doc?.trouble && <p>{doc.trouble}</p>}
       {runTrouble && <p>{runTrouble}</p>}
       {trouble && <p className="bad"><b>{trouble.message}</b> {trouble.hint}{trouble.again && <button onClick={trouble.again}>Open anyway</button>}<button onClick={dismiss}>Dismiss</button></p>}

@@ -3,6 +3,7 @@ import { useEffect, useState } from 'react';
 import { Field } from './fields';
 import { bytesText, numberText, secondsText } from './format';
 import { Inputs } from './inputs';
+import { percentText } from './progress';
 import { askPrice, bypass, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Parameter, Written } from './types';
 
@@ -39,8 +40,8 @@ function State({ node }: { node: DocNode }) {
   const metrics = Object.entries(state.metrics), passed = Object.entries(node.inner ?? {});
   return (
     <div className="state">
-      <p><span><b>{state.state}</b>
-        {state.state === 'running' && ` ${Math.round(100 * state.progress)} %${state.note ? `, ${state.note}` : ''}`}
+      <p><span><b>{state.state === 'waiting' ? 'queued' : state.state}</b>
+        {state.state === 'running' && ` ${percentText(state)}${state.note ? `, ${state.note}` : ''}`}
         {state.seconds > 0 && state.state !== 'running' && `, ${secondsText(state.seconds)}`}
         {(state.state === 'stale' || state.state === 'waiting') && state.expected > 0 && `, about ${secondsText(state.expected)}`}</span>
         {state.state === 'running'
@@ -149,7 +150,7 @@ function GraphInspector() {
     <>
       <div className="title"><b>{doc.name || 'Graph'}</b></div>
       {doc.doc && <p className="doc">{doc.doc}</p>}
-      <p className="doc">Select a node to see its parameters and its result.</p>
+      <p className="doc">The viewer shows the material. Select a node to see its parameters and its result.</p>
       {doc.parameters.length > 0 && <h2>Parameters of the graph <PriceLine /></h2>}
       <div className="fields">
         {doc.parameters.map(p => (

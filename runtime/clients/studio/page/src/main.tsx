@@ -6,6 +6,7 @@ import { createRoot } from 'react-dom/client';
 import { loadAhead } from './ahead';
 import { Bar, Notices } from './bar';
 import { Canvas } from './canvas';
+import { Files } from './files';
 import { Inspector } from './inspector';
 import { History } from './history';
 import { Splitter } from './splitter';
@@ -64,7 +65,7 @@ function App() {
       <div className="below">
         {starting && <Start />}
         <div className={`body${wide ? ' wide' : ''}`} inert={starting}>
-          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}{drawer === 'history' && <History />}</div>
+          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}{drawer === 'history' && <History />}{drawer === 'files' && <Files />}</div>
           <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
         </div>
       </div>

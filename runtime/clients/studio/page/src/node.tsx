@@ -5,13 +5,14 @@ import { createPortal } from 'react-dom';
 import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
 import { hasThumbnail, Peek, Thumbnail } from './peek';
+import { percentText } from './progress';
 import { declarationOf, elementsOf, enter, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
 
 const words: Record<string, string> = {
-  cached: 'cached', computed: 'done', stale: 'stale', waiting: 'waiting', running: 'running', failed: 'failed',
+  cached: 'cached', computed: 'done', stale: 'stale', waiting: 'queued', running: 'running', failed: 'failed',
   skipped: 'skipped', canceled: 'canceled', bypassed: 'bypassed',
 };
 
@@ -46,7 +47,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
   const inputs = declaration?.inputs ?? [];
   const shown = selected || connecting ? inputs : inputsShown(node, inputs);
   const word = broken ? 'failed' : state?.state ?? 'stale';
-  const time = state?.state === 'running' ? `${Math.round(100 * state.progress)} %`
+  const time = state?.state === 'running' ? percentText(state)
     : state?.seconds ? secondsText(state.seconds) : '';
   const warnings = state?.warnings.length ?? 0;
   return (
@@ -59,7 +60,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
       </header>
       <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}{node.bypass && ', bypassed'}</div>
       {small && <Thumbnail value={small} most={320} />}
-      <div className="bar"><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
+      <div className={`bar${word === 'running' && state!.progress >= 0.995 ? ' endless' : ''}`}><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">
         <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}
           {shown.length < inputs.length && <small title={inputs.filter(p => !shown.includes(p)).map(p => p.name).join(', ')}>{inputs.length - shown.length} more</small>}</div>

@@ -1,6 +1,8 @@
 import { create } from 'zustand';
 
+import { mainNode } from './follow';
 import { secondsText } from './format';
+import { learn } from './progress';
 import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State } from './types';
 
 export interface Target { node: string; port: string }
@@ -18,7 +20,7 @@ interface Store {
   pinned: Target | null;
   online: boolean;
   trouble: Trouble | null;
-  drawer: 'none' | 'yaml' | 'messages' | 'history';
+  drawer: 'none' | 'yaml' | 'messages' | 'history' | 'files';
   line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
   starting: boolean; // the start page is shown
@@ -109,6 +111,8 @@ export const edit = (edits: Edit[], merge = false, places: Arrangement['places']
 
 // --- events
 
+const started = (n: NodeState): NodeState => (n.elapsed === undefined ? n : { ...n, since: performance.now() - 1000 * n.elapsed });
+
 let pending: Record<string, NodeState> = {};
 let scheduled = false;
 
@@ -133,7 +137,7 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: s.nodes, run: s.run, online: true, ...arrangementOf(s.document.arrangement) });
+    set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, online: true, ...arrangementOf(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
   on<{ arrangement: Arrangement; can_undo: boolean; can_redo: boolean; trouble: string }>('arrangement', ({ arrangement, ...rest }) => {
@@ -149,10 +153,10 @@ export async function connect() {
     void enter(useStore.getState().scope);
   });
   on<Run>('run', run => set({ run }));
-  on<NodeState & { path: string }>('node', n => later(n.path, n));
+  on<NodeState & { path: string }>('node', n => { learn(n), later(n.path, started(n)); });
   on<{ path: string; progress: number; note: string }>('progress', p => {
     const before = pending[p.path] ?? useStore.getState().nodes[p.path];
-    if (before) later(p.path, { ...before, state: 'running', progress: p.progress, note: p.note });
+    if (before) later(p.path, { ...before, since: before.since ?? performance.now(), state: 'running', progress: p.progress, note: p.note });
   });
   listen(uses);
 }
@@ -243,7 +247,7 @@ export async function askPrice(edits: Edit[] | null): Promise<void> {
 // The server computes first what is shown.
 let shown = '';
 useStore.subscribe(s => {
-  const name = s.pinned?.node ?? s.selected ?? '', node = shownDoc(s)?.nodes.find(n => n.name === name);
+  const name = s.pinned?.node ?? (s.selected || mainNode(s)), node = shownDoc(s)?.nodes.find(n => n.name === name);
   const path = (node?.graph || node?.bypass ? Object.values(node.inner ?? {})[0]?.path : name) ?? '';
   if (path === shown || !s.doc) return;
   shown = path;
@@ -292,7 +296,7 @@ const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
 export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
   new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;
 
-const nothing: NodeState = { state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [] };
+const nothing: NodeState = { type: '', state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [] };
 
 // The state of a node of the document. Those of a subgraph's nodes, and of elements, are joined.
 export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {

@@ -39,9 +39,11 @@ export interface StartInfo {
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled' | 'bypassed';
 export interface NodeState {
+  type: string; since?: number; // since: when it started, by performance.now()
   state: StateWord; progress: number; note: string; seconds: number; expected: number; reasons: string[];
-  outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>; metrics: Record<string, number>; warnings: string[]; files: string[];
-  error?: Message;
+  outputs: Record<string, OutputValue>; previews: Record<string, { type: string; number: number }>;
+  metrics: Record<string, number>; warnings: string[]; files: string[];
+  error?: Message; elapsed?: number; // of a node that runs, when it was reported
 }
 export interface Run { running: boolean; live: boolean; seconds: number; expected: number; unfinished: number; trouble: string }
 export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }

@@ -1,9 +1,12 @@
+import { followed, galleryPicture, mainNode } from './follow';
 import { LabelsView } from './labels';
 import { LinkedView } from './linked';
 import { useNearest, useNode } from './load';
 import { PlaneBar, PlaneView } from './plane';
-import { declarationOf, previewOf, stateOf, useStore, valueOf } from './store';
+import { percentText } from './progress';
+import { declarationOf, post, previewOf, stateOf, useStore, valueOf } from './store';
 import { View } from './viewers';
+import { Waiting } from './waiting';
 import type { DocNode, OutputValue } from './types';
 
 // Views of a node that show more than one of its outputs.
@@ -12,9 +15,22 @@ export const extrasOf = (node: DocNode, outputs: { types: string[] }[]): string[
   ...(outputs.some(p => ['Profiles', 'SizeDistribution', 'Particles'].includes(p.types[0])) ? ['linked'] : []),
 ];
 
+// Nothing of the material is there yet.
+function Empty() {
+  const picture = useStore(s => galleryPicture(s.doc, s.start)), valid = useStore(s => s.doc?.valid), live = useStore(s => s.run.live);
+  if (picture) return <Gallery picture={picture} />;
+  if (!valid) return <p className="none">The graph has errors. <button className="link" onClick={() => useStore.setState({ drawer: 'messages' })}>Show them</button></p>;
+  return <p className="none">{live ? 'The first picture of the material comes in seconds.' : 'Nothing has been computed yet. '}
+    {!live && <button className="primary" onClick={() => void post('/api/live', { live: true })}>Compute the material</button>}</p>;
+}
+
+function Gallery({ picture }: { picture: string }) {
+  return <figure className="gallery"><img src={picture} alt="" /><figcaption>The picture of the gallery, until it has been made here</figcaption></figure>;
+}
+
 function Stage({ node, value, kind, extra }: { node: DocNode | undefined; value: OutputValue | undefined; kind: string | undefined; extra: string }) {
   const labels = useNearest(node?.name ?? '', 'Labels');
-  if (!node) return <p className="none">Select a node to see its result.</p>;
+  if (!node) return <Empty />;
   if (extra === 'plane') return <PlaneView key={node.name} node={node} />;
   if (extra === 'linked') return <LinkedView key={node.name} node={node} />;
   if ((value?.type ?? kind) === 'Labels') return <LabelsView value={value ?? labels?.value} node={node} />;
@@ -25,11 +41,13 @@ function Stage({ node, value, kind, extra }: { node: DocNode | undefined; value:
 export function Viewer() {
   const types = useStore(s => s.types), nodes = useStore(s => s.nodes);
   const pinned = useStore(s => s.pinned), selected = useStore(s => s.selected), port = useStore(s => s.port), wide = useStore(s => s.wide);
-  const name = pinned?.node ?? selected, node = useNode(name);
+  const auto = useStore(s => (s.pinned || s.selected ? null : followed(s)), (a, b) => a?.node === b?.node && a?.port === b?.port);
+  const gallery = useStore(s => (auto && s.run.running && auto.node !== mainNode(s) ? galleryPicture(s.doc, s.start) : null));
+  const name = pinned?.node ?? selected ?? auto?.node, node = useNode(name);
   const reference = useStore(s => s.reference);
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [], extras = node ? extrasOf(node, outputs) : [];
   const chosen = useStore(s => s.extra), extra = extras.includes(chosen) ? chosen : '';
-  const shown = pinned?.port ?? port ?? outputs[0]?.name ?? '';
+  const shown = pinned?.port ?? (selected ? port : auto?.port) ?? outputs[0]?.name ?? '';
   const preview = node && previewOf(node, shown, nodes);
   const value = preview ?? (node && valueOf(node, shown, nodes));
   const state = node && stateOf(node, nodes);
@@ -39,10 +57,10 @@ export function Viewer() {
       <div className="tabs">
         <b>{name?.split('/').pop() ?? 'Viewer'}</b>
         <span className="ports">
-          {outputs.map(p => <button key={p.name} aria-pressed={!extra && p.name === shown} title={p.doc} onClick={() => useStore.setState({ extra: '', ...(pinned ? { pinned: { node: pinned.node, port: p.name } } : { port: p.name }) })}>{p.name}</button>)}
-          {extras.map(x => <button key={x} aria-pressed={extra === x} title={x === 'plane' ? 'Drag the plane through the block' : 'Profiles, size classes and particles together'} onClick={() => useStore.setState({ extra: extra === x ? '' : x })}>{x === 'plane' ? 'Plane in 3D' : 'Linked'}</button>)}
+          {outputs.map(p => <button key={p.name} aria-pressed={!extra && p.name === shown} title={p.doc} onClick={() => useStore.setState({ extra: '', selected: name ?? null, ...(pinned ? { pinned: { node: pinned.node, port: p.name } } : { port: p.name }) })}>{p.name}</button>)}
+          {extras.map(x => <button key={x} aria-pressed={extra === x} title={x === 'plane' ? 'Drag the plane through the block' : 'Profiles, size classes and particles together'} onClick={() => useStore.setState({ selected: name ?? null, extra: extra === x ? '' : x })}>{x === 'plane' ? 'Plane in 3D' : 'Linked'}</button>)}
         </span>
-        {preview && <span className="old">preview{state?.state === 'running' ? `, ${Math.round(100 * state.progress)} %` : ''}</span>}
+        {preview && <span className="old">preview{state?.state === 'running' ? `, ${percentText(state)}` : ''}</span>}
         {old && <span className="old">{state.state}: earlier result</span>}
         {(reference || (value && !preview)) && <button aria-pressed={!!reference} title={reference ? `Stop comparing with ${reference.label}` : 'Keep this result, and compare later ones with it'}
           onClick={() => useStore.setState({ reference: reference ? null : { label: `${name}.${shown}`, value } })}>{reference ? 'Comparing' : 'Hold'}</button>}
@@ -51,8 +69,9 @@ export function Viewer() {
         <button aria-pressed={wide} title="Give the result most of the window" onClick={() => useStore.setState({ wide: !wide })}>Wide</button>
       </div>
       <div className={`stage${old ? ' stale' : ''}`}>
-        <Stage node={node} value={value} kind={outputs.find(p => p.name === shown)?.types[0]} extra={extra} />
+        {gallery ? <Gallery picture={gallery} /> : <Stage node={node} value={value} kind={outputs.find(p => p.name === shown)?.types[0]} extra={extra} />}
         {node?.type === 'Section' && !node.name.includes('/') && !extra && <PlaneBar key={node.name} node={node} />}
+        <Waiting />
       </div>
     </section>
   );
