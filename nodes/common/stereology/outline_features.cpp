@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/common/geometry/mesh/loop_moments.h"
 #include "nodes/data/indices.h"
 
 namespace terrazzo {
@@ -36,37 +37,6 @@ Points blurred(const Points& p, double sigma_points) {
     for (int k = -reach; k <= reach; ++k) out[i] += weight[std::abs(k)] * middle[k];
   }
   return out;
-}
-
-struct Moments {
-  double area = 0, longer = 0, shorter = 0;  // variances of the area along its principal axes
-  Vec2 center = Vec2::Zero();
-};
-
-Moments moments_of(const Points& p) {
-  Moments m;
-  Vec2 first = Vec2::Zero();
-  const Vec2 o = p[0];
-  double xx = 0, yy = 0, xy = 0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    const Vec2 a = p[i] - o, b = p[(i + 1) % p.size()] - o;
-    const double c = cross(a, b) / 2;
-    m.area += c;
-    first += c * (a + b) / 3;
-    xx += c / 6 * (a.x() * a.x() + a.x() * b.x() + b.x() * b.x());
-    yy += c / 6 * (a.y() * a.y() + a.y() * b.y() + b.y() * b.y());
-    xy += c / 6 * (a.x() * b.y() / 2 + b.x() * a.y() / 2 + a.x() * a.y() + b.x() * b.y());
-  }
-  if (!(m.area > 0)) return m;
-  const Vec2 c = first / m.area;
-  m.center = o + c;
-  xx = xx / m.area - c.x() * c.x();
-  yy = yy / m.area - c.y() * c.y();
-  xy = xy / m.area - c.x() * c.y();
-  const double middle = (xx + yy) / 2, spread = std::hypot((xx - yy) / 2, xy);
-  m.longer = middle + spread;
-  m.shorter = std::max(0.0, middle - spread);
-  return m;
 }
 
 // An outline z(s) is mirror-symmetric if z(s₀ − s)* = e^{iφ} z(s) for some s₀ and φ. The rms distance for the
@@ -244,7 +214,7 @@ OutlineFeatures outline_features(const Loop& loop, const OutlineMeasuring& how) 
 OutlineFeatures outline_features_of(const std::vector<Vec2>& p) {
   OutlineFeatures f;
   if (p.empty()) return f;
-  const Moments m = moments_of(p);
+  const LoopMoments m = loop_moments(p);
   if (!(m.area > 0) || !(m.longer > 0)) return f;
   double length = 0;
   for (std::size_t i = 0; i < p.size(); ++i) length += (p[(i + 1) % p.size()] - p[i]).norm();

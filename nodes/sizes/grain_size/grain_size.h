@@ -1,0 +1,69 @@
+// Statistics of the sizes that profiles show, as sedimentologists and metallographers report them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "nodes/data/profiles.h"
+#include "nodes/data/size_distribution.h"
+#include "runtime/work.h"
+
+namespace terrazzo::grain_size {
+
+enum class Diameter { Equivalent, MajorAxis, MinorAxis, FeretMax, FeretMin };
+
+// What each profile counts.
+enum class Weighting {
+  Number,  // its weight
+  Area,    // its weight × area: what grid points hit
+  Weight   // its weight × diameter³: what sieves weigh, if all have one shape and density
+};
+inline constexpr std::array<Weighting, 3> kWeightings = {Weighting::Number, Weighting::Area,
+                                                         Weighting::Weight};
+inline constexpr std::array<int, 5> kPercents = {10, 16, 50, 84, 90};
+
+// The profiles that count, by increasing diameter.
+struct Sizes {
+  std::vector<double> diameter, area, weight;  // mm, mm², number
+  std::vector<int> section;
+  // 0 if an outline is unknown: its area, its length, and those of its shadows on the x and y axis, there and
+  // back.
+  std::vector<double> enclosed, perimeter, width, height;  // mm², mm
+  int sections = 1;
+  bool outlined = false;  // all of them
+};
+
+// Profiles of weight 0, which touch the border, do not count. Throws Error "no-profiles", "no-outlines".
+Sizes sizes_of(const Profiles&, Diameter, const Work& = {});
+
+// What a profile counts in each weighting, and the share of the counts that smaller ones and half of it make
+// up.
+struct Curve {
+  std::vector<double> diameter, share;
+};
+// `counts`: how often each profile appears.
+Curve curve_of(const Sizes&, Weighting, const std::vector<double>& counts);
+// The diameter at a share, between two profiles by linear interpolation (Hazen 1914).
+double quantile(const Curve&, double share);
+
+struct Measure {
+  std::string name, unit;
+  double value = 0, low = 0, high = 0;  // 5 % and 95 % quantiles of the bootstrap
+};
+
+// D10 to D90 and the mean by each weighting, in mm. With outlines also the mean intercept of lines in all
+// directions, π Σ area / Σ perimeter (Cauchy–Crofton), and of lines along x and y, and the grain size numbers
+// of ASTM E112 by area and by intercepts. Repetition r of the bootstrap draws from Random(seed, 1, r).
+std::vector<Measure> measures_of(const Sizes&, int repetitions, std::uint64_t seed, const Work& = {});
+
+// ln(N_V / width of the class) against size (Marsh 1988), and the line through it by least squares.
+struct CrystalSizes {
+  std::vector<double> size, density;  // mm, ln of 1/mm⁴
+  double slope = 0, intercept = 0;    // 1/mm, ln of 1/mm⁴
+};
+// Throws Error "too-few-profiles" if fewer than two size classes have particles.
+CrystalSizes crystal_sizes(const SizeDistribution&);
+
+}  // namespace terrazzo::grain_size
