@@ -42,7 +42,12 @@ const std::vector<Format>& formats() {
        {"Table", "Profiles", "Particles", "SizeDistribution", "KMatrix", "Shapes"},
        {},
        false,
-       write_csv_file},
+       write_csv_file,
+       {"Image", "Labels"}},
+      {".geojson", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
+      {".coco.json", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
+      {".roi", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
+      {".zip", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
       {".json", {}, {}, true, write_json_file},
       {".obj", {"Shapes"}, {}, false, write_mesh_file},
       {".ply", {"Shapes"}, {}, false, write_mesh_file},
@@ -77,8 +82,11 @@ const Format& format_of(const std::string& path) {
       .parameter("path");
 }
 
-void check_fit(const Format& format, const std::map<std::string, Value>& values) {
+void check_fit(const Format& format, const std::map<std::string, Value>& connected) {
   if (format.types.empty()) return;
+  std::map<std::string, Value> values = connected;
+  if (values.count("Profiles"))
+    for (const std::string& picture : format.pictures) values.erase(picture);
   std::vector<std::string> strangers;
   for (const auto& [type, value] : values)
     if (std::find(format.types.begin(), format.types.end(), type) == format.types.end())

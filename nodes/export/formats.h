@@ -18,6 +18,7 @@ struct Format {
   std::vector<std::string> required = {};  // types without which it cannot be written
   bool several = false;                    // holds several values; otherwise one of `types`
   void (*write)(const Job&) = nullptr;
+  std::vector<std::string> pictures = {};  // may be connected too: they tell the size of a pixel
 };
 
 // README.md lists the places of a new format.

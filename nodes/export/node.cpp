@@ -36,7 +36,7 @@ namespace terrazzo {
 
 NodeType export_node() {
   using namespace exporting;
-  NodeType type("Export", 7);
+  NodeType type("Export", 8);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
@@ -58,7 +58,9 @@ NodeType export_node() {
           "grid of a volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr "
           "(images; a stack becomes name_000, name_001, …; .png, .tif, .exr: also one texture map), .png, "
           ".tif, .exr (labels, as exact ids), .csv "
-          "(tables, profiles, particles, distributions, K matrices, shapes), .json (any type), .obj, .ply, "
+          "(tables, profiles, particles, distributions, K matrices, shapes), .geojson, .coco.json, .roi, "
+          ".zip (outlines of labels or profiles: GeoJSON, COCO, ImageJ; profiles need image or labels beside "
+          "them), .json (any type), .obj, .ply, "
           ".stl (shapes)."))
       .parameter(
           Parameter::choice("instancing", "extension", {"extension", "nodes"})

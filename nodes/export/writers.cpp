@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/io/checked_file.h"
+#include "nodes/common/stereology/profile_columns.h"
 #include "nodes/export/formats/csv.h"
 #include "nodes/export/formats/gltf.h"
 #include "nodes/export/formats/materialx_file.h"
@@ -13,6 +14,7 @@
 #include "nodes/export/formats/nifti_file.h"
 #include "nodes/export/formats/npy_file.h"
 #include "nodes/export/formats/nvdb_file.h"
+#include "nodes/export/formats/outlines/outlines.h"
 #include "nodes/export/formats/picture_file.h"
 #include "nodes/export/formats/shapes_json.h"
 #include "nodes/export/formats/vdb_file.h"
@@ -25,7 +27,6 @@ namespace {
 
 std::string csv_of_value(const Value& v) {
   if (v.is<Table>()) return csv_of(v.as<Table>());
-  if (v.is<Profiles>()) return csv_of(v.as<Profiles>());
   if (v.is<Particles>()) return csv_of(v.as<Particles>());
   if (v.is<SizeDistribution>()) return csv_of(v.as<SizeDistribution>());
   if (v.is<KMatrix>()) return csv_of(v.as<KMatrix>());
@@ -73,6 +74,16 @@ Volume grids_for_nvdb(Context& c, const Volume& volume) {
 
 }  // namespace
 
+PictureSize Job::picture(const Profiles& profiles) const {
+  PictureSize out;
+  if (const Image* image = find<Image>("Image"))
+    out = {image->width, image->height, image->sections, image->pixel_size};
+  else if (const Labels* labels = find<Labels>("Labels"))
+    out = {labels->width, labels->height, labels->sections, labels->pixel_size};
+  if (out.pixel_size > 0) require_picture(profiles, out.width, out.height, out.sections, out.pixel_size);
+  return out;
+}
+
 MaterialMaps Job::maps() const {
   MaterialMaps out;
   for (const MapName& map : kMaps) out.*map.image = find<Image>(map.name);
@@ -80,8 +91,13 @@ MaterialMaps Job::maps() const {
 }
 
 void write_csv_file(const Job& job) {
-  write_named(job.context, job.path,
-              [&](const fs::path& file) { write_bytes(file, csv_of_value(job.only())); });
+  std::string text;
+  if (const Profiles* profiles = job.find<Profiles>("Profiles"))
+    text =
+        csv_of(*profiles, {job.picture(*profiles).pixel_size, job.find<Image>("Image")}, job.context.work());
+  else
+    text = csv_of_value(job.only());
+  write_named(job.context, job.path, [&](const fs::path& file) { write_bytes(file, text); });
 }
 
 void write_dream3d_file(const Job& job) {
@@ -168,6 +184,31 @@ void write_nvdb_file(const Job& job) {
   Context& c = job.context;
   write_named(c, job.path,
               [&](const fs::path& file) { write_nvdb(file, grids_for_nvdb(c, *job.volume()), c.work()); });
+}
+
+void write_outlines(const Job& job) {
+  const Profiles* profiles = job.find<Profiles>("Profiles");
+  const PictureSize picture = profiles ? job.picture(*profiles) : PictureSize{};
+  if (profiles && picture.pixel_size == 0)
+    throw Error("missing-input",
+                "a " + job.format.extension + " file is in pixels, whose size profiles do not know",
+                "connect the picture of the profiles to image, or their labels");
+  const OutlineFile all = profiles ? outlines_of(*profiles, picture.width, picture.height, picture.pixel_size)
+                                   : outlines_of(*job.find<Labels>("Labels"));
+  if (all.outlines.empty())
+    throw Error("no-profiles", "there are no profiles to write", "use a photograph that shows particles");
+  const std::string& end = job.format.extension;
+  if (end == ".zip")
+    return write_named(job.context, job.path, [&](const fs::path& file) { write_roi_zip(file, all); });
+  if (end == ".roi" && all.outlines.size() > 1)
+    throw Error("format-does-not-fit",
+                fmt::format("a .roi file holds one region, but there are {}", all.outlines.size()),
+                "use .zip")
+        .parameter("path");
+  const std::string text = end == ".roi"       ? roi_of(all.outlines[0], all.sections > 1, false)
+                           : end == ".geojson" ? geojson_of(all)
+                                               : coco_of(all);
+  write_named(job.context, job.path, [&](const fs::path& file) { write_bytes(file, text); });
 }
 
 void write_pictures(const Job& job) {

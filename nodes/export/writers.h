@@ -6,6 +6,7 @@
 #include <string>
 
 #include "nodes/data/particles.h"
+#include "nodes/data/profiles.h"
 #include "nodes/data/volume.h"
 #include "nodes/export/formats.h"
 #include "nodes/export/formats/material_maps.h"
@@ -18,8 +19,9 @@ struct Input {
   const char *name, *type, *doc;
 };
 inline constexpr std::array<Input, 10> kInputs = {{
-    {"image", "Image", "Image or stack of images. In a .glb file, the texture of the shapes"},
-    {"labels", "Labels", "Profile id of each pixel"},
+    {"image", "Image",
+     "Image or stack of images. In a .glb file, the texture of the shapes. Beside profiles, their picture"},
+    {"labels", "Labels", "Profile id of each pixel. Beside profiles, these tell the size of a pixel"},
     {"profiles", "Profiles", "Profiles of plane sections"},
     {"shapes", "Shapes", "Shapes of the particles"},
     {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
@@ -31,6 +33,12 @@ inline constexpr std::array<Input, 10> kInputs = {{
     {"table", "Table", "Table of named columns"},
     {"strokes", "Strokes", "Strokes on an image"},
 }};
+
+// Of the picture that is connected beside its profiles; zeros if none is.
+struct PictureSize {
+  int width = 0, height = 0, sections = 1;  // pixels
+  double pixel_size = 0;                    // mm
+};
 
 // What one Export node is to write. `values` fit the format: check_fit() was called.
 struct Job {
@@ -48,6 +56,7 @@ struct Job {
   const Particles* particles() const { return find<Particles>("Particles"); }
   const Volume* volume() const { return find<Volume>("Volume"); }
   MaterialMaps maps() const;
+  PictureSize picture(const Profiles&) const;  // throws Error "size-mismatch" if it is not theirs
   const Value& only() const { return values.begin()->second; }  // of formats that hold one value
 };
 
@@ -62,6 +71,7 @@ void write_mesh_file(const Job&);       // .obj, .ply
 void write_nifti_file(const Job&);      // .nii, .nii.gz
 void write_npy_file(const Job&);
 void write_nvdb_file(const Job&);
+void write_outlines(const Job&);  // .geojson, .coco.json, .roi, .zip; also "missing-input"
 void write_pictures(const Job&);  // .png, .tif, .exr, .jpg, .hdr; one file per section
 void write_scene(const Job&);     // .usda, .xml (Mitsuba), .pbrt
 void write_stl_file(const Job&);  // of shapes or of a volume; also "format-does-not-fit"

@@ -336,6 +336,25 @@ void texts(Writer& w, const fs::path& source) {
          "\"area_fraction\":0.25,\"profiles\":[{\"section\":1,\"class\":0,\"area\":2.5,\"centroid\":[1,2],"
          "\"touches_border\":false,\"weight\":1.25,\"confidence\":1,\"color\":[0,1,0.5],"
          "\"contour\":[[0,0],[1,0],[1,1]]}]}");
+  const std::string geojson =
+      "{\"type\":\"FeatureCollection\",\"picture\":{\"width\":9,\"height\":8,\"pixel_size_mm\":0.5},"
+      "\"features\":[{\"type\":\"Feature\",\"geometry\":{\"type\":\"MultiPolygon\",\"coordinates\":[[[[1,1],["
+      "5,"
+      "1],[5,5],[1,5],[1,1]],[[2,2],[2,3],[3,3],[2,2]]]]},\"properties\":{\"class\":1,\"section\":0}}]}";
+  const std::string coco =
+      "{\"images\":[{\"id\":1,\"width\":9,\"height\":8}],\"categories\":[{\"id\":2}],\"annotations\":["
+      "{\"image_id\":1,\"category_id\":2,\"segmentation\":[[1,1,5,1,5,5]]},{\"image_id\":1,\"category_id\":2,"
+      "\"segmentation\":{\"size\":[8,9],\"counts\":[56,3,13]}},{\"image_id\":1,\"category_id\":2,"
+      "\"segmentation\":{\"size\":[8,9],\"counts\":\"03U2\"}}]}";
+  std::string roi("Iout\0\xe4\0\0\0\2\0\1\0\5\0\6\0\3", 18);
+  roi.resize(63);
+  roi += std::string("\x4c\0\0\0\5\0\3\0\0\0\2\0\3", 13);
+  roi.resize(140);
+  for (const char* node : {"LoadLabels", "LoadProfiles"}) {
+    w.text(std::string(node) + ".geojson", "a.geojson", geojson);
+    w.text(std::string(node) + ".json", "a.json", coco);
+    w.text(std::string(node) + ".roi", "a.roi", roi);
+  }
   w.text("LoadEBSD.ang", "a.ang",
          "# Phase 1\n# MaterialName a\n# Symmetry 43\n# GRID: HexGrid\n# XSTEP: 1\n# YSTEP: 0.866\n"
          "# NCOLS_ODD: 3\n# NCOLS_EVEN: 2\n# NROWS: 2\n1 1 1 0 0 9 0.9 1\n1 1 1 1 0 9 0.9 1\n"

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "graph/text/utf8.h"
+#include "nodes/common/stereology/profile_columns.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -14,6 +17,8 @@ class Lines {
     end();
   }
   void number(double v) { cell(fmt::format("{}", v)); }
+  // Empty if unknown.
+  void measure(double v) { cell(std::isnan(v) ? "" : fmt::format("{}", v)); }
   void number(float v) { cell(fmt::format("{}", v)); }
   void integer(std::int64_t v) { cell(fmt::format("{}", v)); }
   void word(const std::string& text) {
@@ -43,6 +48,29 @@ class Lines {
   bool first_ = true;
 };
 
+// In mm, then in pixels, then colors, as far as the picture is known.
+std::vector<ProfileColumn> measured_columns(const Profiles& profiles, const ProfilePicture& picture,
+                                            const Work& work) {
+  std::vector<ProfileColumn> out = profile_columns(profiles, work), pixels;
+  if (picture.pixel_size > 0) {
+    pixels = out;
+    pixels.insert(pixels.begin(), {"area", 2, {}});
+    for (const Profile& p : profiles.profiles) pixels[0].values.push_back(p.area);
+  }
+  for (ProfileColumn& c : pixels) {
+    if (c.power == 0) continue;
+    for (double& v : c.values) v /= std::pow(picture.pixel_size, c.power);
+    out.push_back({c.name + "_px", 0, std::move(c.values)});
+  }
+  if (!picture.image) return out;
+  const std::vector<Vec3f> colors = mean_colors(profiles, *picture.image, work);
+  for (int k = 0; k < 3; ++k) {
+    out.push_back({std::string("mean_") + "rgb" [k], 0, {}});
+    for (const Vec3f& color : colors) out.back().values.push_back(color[k]);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string csv_of(const Table& table) {
@@ -59,14 +87,17 @@ std::string csv_of(const Table& table) {
   return out.take();
 }
 
-std::string csv_of(const Profiles& profiles) {
+std::string csv_of(const Profiles& profiles, const ProfilePicture& picture, const Work& work) {
   std::vector<std::string> header = {"section",    "class",          "area",   "centroid_x",
                                      "centroid_y", "touches_border", "weight", "confidence",
                                      "color_r",    "color_g",        "color_b"};
   // A cut is what a table without these columns is taken for.
   const bool cut = profiles.view == View::Section;
   if (!cut) header.insert(header.end(), {"whole", "view"});
+  const std::vector<ProfileColumn> columns = measured_columns(profiles, picture, work);
+  for (const ProfileColumn& c : columns) header.push_back(c.name);
   Lines out(header);
+  std::size_t row = 0;
   for (const auto& p : profiles.profiles) {
     out.integer(p.section);
     out.integer(p.cls);
@@ -80,6 +111,8 @@ std::string csv_of(const Profiles& profiles) {
       out.number(p.whole);
       out.word(name_of(profiles.view));
     }
+    for (const ProfileColumn& c : columns) out.measure(c.values[row]);
+    ++row;
     out.end();
   }
   return out.take();

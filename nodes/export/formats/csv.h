@@ -4,19 +4,27 @@
 
 #include <string>
 
+#include "nodes/data/image.h"
 #include "nodes/data/kmatrix.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/table.h"
+#include "runtime/work.h"
 
 namespace terrazzo::exporting {
 
 std::string csv_of(const Table&);
+// What a picture adds to a table of its profiles.
+struct ProfilePicture {
+  double pixel_size = 0;  // mm; 0: unknown
+  const Image* image = nullptr;
+};
 // section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, confidence (0 to
-// 1), color_r, color_g, color_b
-std::string csv_of(const Profiles&);
+// 1), color_r, color_g, color_b, the columns of profile_columns (mm, degrees); areas and lengths in pixels
+// (area_px); mean_r, mean_g, mean_b of the image. Unknown cells are empty.
+std::string csv_of(const Profiles&, const ProfilePicture& = {}, const Work& = {});
 // id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1)
 std::string csv_of(const Particles&);
 // shape, class, size_low, size_high (mm), N_V, low, high (per mm³); one row per shape and size class

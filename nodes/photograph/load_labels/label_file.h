@@ -6,6 +6,7 @@
 
 #include "nodes/common/io/picture_pages.h"
 #include "nodes/common/io/reading.h"
+#include "nodes/data/image.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/labels.h"
 
@@ -36,6 +37,13 @@ Labels labels_from_instances(const std::vector<RawMask>&, double pixel_size);
 // (such a mask contains instances, or was blurred), and "blurred-mask" if most classes have only scattered
 // pixels.
 Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
+
+// The outlines of files of other programs, each with one or several sections, as labels: the outlines in
+// their order, of particles whose pixels have their centers inside. `picture`: null, or the picture that they
+// belong to, which a file that does not know its own needs. `pixel_size`: 0 for that of the file, else 1.
+// Throws Error "missing-input", "size-mismatch", and those of read_outline_file and raster_of.
+Labels labels_from_outlines(const std::vector<std::filesystem::path>&, const Image* picture,
+                            double pixel_size, const Reading& = {});
 
 // Sets the class of each profile: the most frequent value at its pixels, without background, less 1. Throws
 // Error "size-mismatch", and "bad-labels" if a profile lies on the background or a class is above 1,000,000.

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "graph/input_file.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/json_input.h"
 #include "nodes/common/io/text_input.h"
+#include "nodes/data/image.h"
 #include "nodes/sizes/load_profiles/profile_json.h"
+#include "nodes/sizes/load_profiles/profile_outlines.h"
 #include "nodes/sizes/load_profiles/profile_table.h"
 #include "runtime/context.h"
 
@@ -27,13 +30,57 @@ std::string text_of(const std::filesystem::path& file, Context& c) {
   }
 }
 
-// The profiles of tables, or of one JSON file.
+// The profiles of one file of outlines.
+Profiles outlined_profiles(Context& c, const std::filesystem::path& path) {
+  OutlineFile outlines = read_outline_file(path, reading_of(c));
+  const std::string file = path.string();
+  const Image* image = c.optional<Image>("image");
+  if (image) {
+    if (outlines.width > 0 && (outlines.width != image->width || outlines.height != image->height))
+      throw Error(
+          "size-mismatch",
+          fmt::format("the outlines of '{}' are of a picture of {} × {} pixels, but the connected one "
+                      "has {} × {}",
+                      file, outlines.width, outlines.height, image->width, image->height),
+          "use the outlines of this picture")
+          .parameter("path");
+    outlines.width = image->width;
+    outlines.height = image->height;
+    outlines.pixel_size = image->pixel_size;
+    require_simple(outlines, file);
+  }
+  if (c.keyword("pixel_size").empty()) outlines.pixel_size = c.number("pixel_size");
+  if (outlines.pixel_size == 0) {
+    c.warn(fmt::format("'{}' does not tell the size of a pixel: it is taken as 1 mm; set pixel_size",
+                       printable(path.filename().string())));
+    outlines.pixel_size = 1;
+  }
+  return profiles_of_outlines(outlines, outlines.pixel_size, file, reading_of(c));
+}
+
+// Outlines other than profiles that Export wrote.
+bool has_outlines(const std::filesystem::path& file, Context& c) {
+  if (!is_outline_file(file)) return false;
+  const std::string head = read_beginning(file, 4);
+  return head.starts_with("Iout") || head.starts_with("PK") || is_outline_json(text_of(file, c));
+}
+
+// The profiles of tables, or of one JSON file or file of outlines.
 Profiles profiles_of(Context& c, bool& json) {
   const auto unit = profile_unit(c.text("unit"));
   Profiles all;
   all.sections = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
+    if (has_outlines(file, c)) {
+      if (c.files("path").size() != 1)
+        throw Error("several-files",
+                    "'" + file.string() + "' has outlines, which cannot be joined with other files",
+                    "name one file")
+            .parameter("path");
+      json = true;
+      return outlined_profiles(c, file);
+    }
     const std::string text = text_of(file, c);
     if (is_json(text)) {
       if (c.files("path").size() != 1)
@@ -125,11 +172,23 @@ NodeType load_profiles_node() {
       .doc_(
           "Reads profile areas or diameters measured with other software, such as ImageJ or GrainSizeTools, "
           "and "
-          "profiles that Export wrote to .json, with their outlines.")
+          "profiles that Export wrote to .json, with their outlines. It also reads outlines: GeoJSON, COCO, "
+          "and ImageJ's regions.")
+      .source_("RFC 7946 (GeoJSON); COCO, format for object detection; ImageJ, RoiDecoder")
+      .optional_input("image", {"Image"},
+                      "Picture that outlines belong to: its size and pixel_size. Tables need none")
       .output("profiles", "Profiles", "Profile sizes; with outlines if the file is JSON")
       .parameter(Parameter::input_path("path").doc_("CSV or TSV file with a column area or diameter, or one "
                                                     "JSON file of profiles. A glob joins several "
-                                                    "tables, each with its own sections."))
+                                                    "tables, each with its own sections. Or one file of "
+                                                    "outlines: GeoJSON, COCO (.json), ImageJ (.roi, .zip)."))
+      .parameter(
+          Parameter::optional_number("pixel_size", "auto")
+              .unit_("mm")
+              .range(1e-9, 1e9)
+              .doc_(
+                  "Edge length of a pixel of outlines. auto: that of image, else what the file says, else 1, "
+                  "with a warning. Tables do not use it."))
       .parameter(
           Parameter::number("observed_area", 0)
               .unit_("mm²")

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/labels.h"
 #include "runtime/hash.h"
 #include "tests/contract/contents.h"
 #include "tests/nodes/export/voxel_files.h"
@@ -43,6 +44,9 @@ json all_files() {
       files_of("nodes.glb", {{"particles", particles}, {"shapes", shapes}}, {{"instancing", "nodes"}});
   for (const char* name : {"b.usda", "b.xml", "b.pbrt"})
     out[name] = files_of(name, {{"particles", particles}, {"shapes", shapes}, {"volume", volume}});
+  Labels labels{3, 2, 1, 0.5, {1, 1, 0, 2, 1, 1}, {0, 1}};
+  for (const char* name : {"a.geojson", "a.coco.json", "a.zip"})
+    out[name] = files_of(name, {{"labels", Value::of(labels)}});
   for (const char* name : {"a.obj", "a.csv", "a.json"}) out[name] = files_of(name, {{"shapes", shapes}});
   return out;
 }

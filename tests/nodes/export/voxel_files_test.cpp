@@ -7,13 +7,13 @@
 
 #include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/common/io/provenance.h"
+#include "runtime/files/base64.h"
 #include "tests/nodes/export/voxel_files.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-using namespace exporting;
 namespace fs = std::filesystem;
 using test::bytes_of;
 using test::code_of;

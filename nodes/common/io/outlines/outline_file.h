@@ -1,0 +1,60 @@
+// Outlines of particles in files of other programs: GeoJSON, COCO, ImageJ.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh/loop.h"
+#include "nodes/common/io/reading.h"
+
+namespace terrazzo {
+
+struct FileOutline {
+  std::string name;  // as messages call it: "feature 3 (pebble)"
+  int section = 0, cls = 0;
+  double confidence = 1;
+  // Pixels from the upper left corner of the first one, y down. The particle is what lies inside an odd
+  // number of the loops: parts and holes.
+  std::vector<Loop> loops;
+};
+
+struct OutlineFile {
+  int width = 0, height = 0;  // of the picture, pixels; 0: the file does not say
+  int sections = 1;
+  double pixel_size = 0;  // mm; 0: the file does not say
+  std::vector<FileOutline> outlines;
+};
+
+// Whether the file is JSON, an ImageJ ROI, or a zip archive, by its first bytes.
+bool is_outline_file(const std::filesystem::path&);
+
+// Reads any of them. GeoJSON: Polygon and MultiPolygon features, coordinates in pixels, y down, as QuPath
+// writes them. COCO: polygons and run lengths, one section per image. ImageJ: areas, one section per slice.
+// Names of classes are numbered in alphabetical order. Throws Error "unreadable-outlines", "bad-outline",
+// "no-particles", "too-large".
+OutlineFile read_outline_file(const std::filesystem::path&, const Reading&);
+
+// Throws Error "bad-outline" for the first outline that crosses itself, has no area, or lies outside of the
+// picture by more than half a pixel, by which programs differ in where the first pixel begins.
+void require_simple(const OutlineFile&, const std::string& file);
+
+// Number of the outline of each pixel from 1, section by section; 0 outside of all. Throws Error
+// "bad-outline" if two share pixels, or one has none.
+std::vector<std::int32_t> raster_of(const OutlineFile&, const std::string& file);
+
+// The edges of the pixels of each label from 1 to `count`: loops of whole numbers, outer ones with positive
+// area (numerically, as for y up), holes with negative. Loops touch at corners but do not cross.
+std::vector<std::vector<Loop>> pixel_outlines(const std::int32_t* labels, int width, int height, int count);
+
+// --- the formats. `file` is for messages.
+OutlineFile read_geojson(const std::string& text, const std::string& file);
+OutlineFile read_coco(const std::string& text, const std::string& file);
+FileOutline read_roi(const std::string& bytes, const std::string& file);
+OutlineFile read_roi_zip(const std::filesystem::path&, const Reading&);
+
+Error bad_outline(const std::string& file, const std::string& what, const std::string& hint);
+
+}  // namespace terrazzo
