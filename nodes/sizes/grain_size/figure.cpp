@@ -17,10 +17,9 @@ Plot cumulative_plot(const Sizes& s, Scale scale) {
   plot.x_label = scale == Scale::Phi ? "diameter, φ" : "diameter, mm";
   plot.y_label = scale == Scale::Phi ? "coarser, %" : "finer, %";
   plot.log_x = scale == Scale::Mm;
-  const std::vector<double> once(s.diameter.size(), 1.0);
   int color = 0;
   for (const Weighting weighting : kWeightings) {
-    const Curve curve = curve_of(s, weighting, once);
+    const Curve curve = curve_of(s, weighting);
     PlotSeries line;
     line.name = weighting == Weighting::Number ? "by number"
                 : weighting == Weighting::Area ? "by area"

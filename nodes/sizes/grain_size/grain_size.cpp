@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <numeric>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/loop.h"
@@ -14,8 +12,6 @@
 
 namespace terrazzo::grain_size {
 namespace {
-
-using std::numbers::pi;
 
 const char* column_of(Diameter diameter) {
   switch (diameter) {
@@ -32,11 +28,6 @@ const char* column_of(Diameter diameter) {
   }
 }
 
-double counted(const Sizes& s, Weighting weighting, std::size_t i) {
-  if (weighting == Weighting::Number) return s.weight[i];
-  return s.weight[i] * (weighting == Weighting::Area ? s.area[i] : std::pow(s.diameter[i], 3));
-}
-
 const char* name_of(Weighting weighting) {
   return weighting == Weighting::Number ? "by number"
          : weighting == Weighting::Area ? "by area"
@@ -47,35 +38,49 @@ const char* name_of(Weighting weighting) {
 double number_of_area(double mean_area) { return -3.321928 * std::log10(mean_area) - 2.954; }
 double number_of_intercept(double intercept) { return -6.643856 * std::log10(intercept) - 3.288; }
 
+// Percentiles and the mean of one weighting; `counts`: how often each profile appears.
+void add_sizes(const Sizes& s, const std::vector<double>& amount, const std::vector<double>& counts,
+               std::vector<double>& out) {
+  double all = 0, sum = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    all += counts[i] * amount[i];
+    sum += counts[i] * amount[i] * s.diameter[i];
+  }
+  double below = 0, share = 0, diameter = 0;  // of the last profile that appears
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < counts.size() && k < kPercents.size(); ++i) {
+    if (!(counts[i] > 0)) continue;
+    const double next = (below + counts[i] * amount[i] / 2) / all;
+    for (; k < kPercents.size() && kPercents[k] / 100.0 <= next; ++k) {
+      const double t = (kPercents[k] / 100.0 - share) / (next - share);
+      out.push_back(below == 0 ? s.diameter[i] : diameter + t * (s.diameter[i] - diameter));
+    }
+    share = next;
+    diameter = s.diameter[i];
+    below += counts[i] * amount[i];
+  }
+  for (; k < kPercents.size(); ++k) out.push_back(diameter);
+  out.push_back(sum / all);
+}
+
 // The values of measures_of, in the order of named_measures.
 std::vector<double> values_of(const Sizes& s, const std::vector<double>& counts) {
   std::vector<double> out;
-  for (const Weighting weighting : kWeightings) {
-    const Curve curve = curve_of(s, weighting, counts);
-    for (const int percent : kPercents) out.push_back(quantile(curve, percent / 100.0));
-    double sum = 0, all = 0;
-    for (std::size_t i = 0; i < counts.size(); ++i) {
-      const double w = counts[i] * counted(s, weighting, i);
-      sum += w * s.diameter[i];
-      all += w;
-    }
-    out.push_back(sum / all);
-  }
-  double number = 0, area = 0, enclosed = 0, perimeter = 0, width = 0, height = 0;
+  for (const auto& amount : s.amounts) add_sizes(s, amount, counts, out);
+  double number = 0, area = 0, enclosed = 0, width = 0, height = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double w = counts[i] * s.weight[i];
     number += w;
     area += w * s.area[i];
     if (!s.outlined) continue;
     enclosed += w * s.enclosed[i];
-    perimeter += w * s.perimeter[i];
     width += w * s.width[i];
     height += w * s.height[i];
   }
   out.push_back(number_of_area(area / number));
   if (!s.outlined) return out;
-  const double intercept = pi * enclosed / perimeter;
-  // A line along x crosses each length of an outline's shadow on the y axis once.
+  // Lines along x cross the shadow of an outline on the y axis.
+  const double intercept = 4 * enclosed / (width + height);
   for (const double v :
        {number_of_intercept(intercept), intercept, 2 * enclosed / height, 2 * enclosed / width})
     out.push_back(v);
@@ -98,17 +103,11 @@ std::vector<Measure> named_measures(const Sizes& s) {
   return out;
 }
 
-// Area and length of an outline, and of its shadows on the axes, there and back.
+// Area of an outline, and lengths of its shadows on the axes, there and back.
 void measure_shadows(const std::vector<Vec2>& loop, Sizes& s) {
-  double length = 0;
   Vec2 shadow = Vec2::Zero();
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 side = loop[(i + 1) % loop.size()] - loop[i];
-    length += side.norm();
-    shadow += side.cwiseAbs();
-  }
+  for (std::size_t i = 0; i < loop.size(); ++i) shadow += (loop[(i + 1) % loop.size()] - loop[i]).cwiseAbs();
   s.enclosed.push_back(loop_area(loop));
-  s.perimeter.push_back(length);
   s.width.push_back(shadow.x());
   s.height.push_back(shadow.y());
 }
@@ -142,33 +141,24 @@ Sizes sizes_of(const Profiles& profiles, Diameter diameter, const Work& work) {
     out.area.push_back(p.area);
     out.weight.push_back(p.weight);
     out.section.push_back(p.section);
+    out.amounts[0].push_back(p.weight);
+    out.amounts[1].push_back(p.weight * p.area);
+    out.amounts[2].push_back(p.weight * std::pow(out.diameter.back(), 3));
     measure_shadows(p.contour, out);
     out.outlined = out.outlined && !p.contour.empty();
   }
   return out;
 }
 
-Curve curve_of(const Sizes& s, Weighting weighting, const std::vector<double>& counts) {
-  Curve out;
+Curve curve_of(const Sizes& s, Weighting weighting) {
+  Curve out{s.diameter, {}};
   double below = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (!(counts[i] > 0)) continue;
-    const double w = counts[i] * counted(s, weighting, i);
-    out.diameter.push_back(s.diameter[i]);
-    out.share.push_back(below + w / 2);
-    below += w;
+  for (const double amount : s.amounts[static_cast<std::size_t>(weighting)]) {
+    out.share.push_back(below + amount / 2);
+    below += amount;
   }
   for (double& v : out.share) v /= below;
   return out;
-}
-
-double quantile(const Curve& curve, double share) {
-  const auto above = std::lower_bound(curve.share.begin(), curve.share.end(), share);
-  if (above == curve.share.begin()) return curve.diameter.front();
-  if (above == curve.share.end()) return curve.diameter.back();
-  const std::size_t i = above - curve.share.begin();
-  const double t = (share - curve.share[i - 1]) / (curve.share[i] - curve.share[i - 1]);
-  return curve.diameter[i - 1] + t * (curve.diameter[i] - curve.diameter[i - 1]);
 }
 
 std::vector<Measure> measures_of(const Sizes& s, int repetitions, std::uint64_t seed, const Work& work) {
@@ -184,16 +174,14 @@ std::vector<Measure> measures_of(const Sizes& s, int repetitions, std::uint64_t 
       drawn[r] = values_of(s, any ? counts : once);
     }
   });
+  std::vector<double> repeated(drawn.size());
+  const auto at = [&](double share) { return repeated[std::lround(share * (repeated.size() - 1))]; };
   for (std::size_t k = 0; k < out.size(); ++k) {
-    Curve repeated;
-    for (std::size_t r = 0; r < drawn.size(); ++r) {
-      repeated.diameter.push_back(drawn[r][k]);
-      repeated.share.push_back((r + 0.5) / repetitions);
-    }
-    std::sort(repeated.diameter.begin(), repeated.diameter.end());
+    for (std::size_t r = 0; r < drawn.size(); ++r) repeated[r] = drawn[r][k];
+    std::sort(repeated.begin(), repeated.end());
     out[k].value = values[k];
-    out[k].low = quantile(repeated, 0.05);
-    out[k].high = quantile(repeated, 0.95);
+    out[k].low = at(0.05);
+    out[k].high = at(0.95);
   }
   return out;
 }

@@ -28,9 +28,9 @@ inline constexpr std::array<int, 5> kPercents = {10, 16, 50, 84, 90};
 struct Sizes {
   std::vector<double> diameter, area, weight;  // mm, mm², number
   std::vector<int> section;
-  // 0 if an outline is unknown: its area, its length, and those of its shadows on the x and y axis, there and
-  // back.
-  std::vector<double> enclosed, perimeter, width, height;  // mm², mm
+  std::array<std::vector<double>, 3> amounts;  // what they count in each weighting
+  // 0 if an outline is unknown: its area, and the lengths of its shadows on the x and y axis, there and back.
+  std::vector<double> enclosed, width, height;  // mm², mm
   int sections = 1;
   bool outlined = false;  // all of them
 };
@@ -38,24 +38,21 @@ struct Sizes {
 // Profiles of weight 0, which touch the border, do not count. Throws Error "no-profiles", "no-outlines".
 Sizes sizes_of(const Profiles&, Diameter, const Work& = {});
 
-// What a profile counts in each weighting, and the share of the counts that smaller ones and half of it make
-// up.
+// The share that smaller profiles and half of each make up.
 struct Curve {
   std::vector<double> diameter, share;
 };
-// `counts`: how often each profile appears.
-Curve curve_of(const Sizes&, Weighting, const std::vector<double>& counts);
-// The diameter at a share, between two profiles by linear interpolation (Hazen 1914).
-double quantile(const Curve&, double share);
+Curve curve_of(const Sizes&, Weighting);
 
 struct Measure {
   std::string name, unit;
   double value = 0, low = 0, high = 0;  // 5 % and 95 % quantiles of the bootstrap
 };
 
-// D10 to D90 and the mean by each weighting, in mm. With outlines also the mean intercept of lines in all
-// directions, π Σ area / Σ perimeter (Cauchy–Crofton), and of lines along x and y, and the grain size numbers
-// of ASTM E112 by area and by intercepts. Repetition r of the bootstrap draws from Random(seed, 1, r).
+// D10 to D90, by linear interpolation of the curve (Hazen 1914), and the mean by each weighting, in mm. With
+// outlines also the mean intercepts of infinitely many lines along x, along y, and along both, which steps of
+// pixels do not shorten, and the grain size numbers of ASTM E112 by area and by intercepts. Repetition r of
+// the bootstrap draws from Random(seed, 1, r).
 std::vector<Measure> measures_of(const Sizes&, int repetitions, std::uint64_t seed, const Work& = {});
 
 // ln(N_V / width of the class) against size (Marsh 1988), and the line through it by least squares.
