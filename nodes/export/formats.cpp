@@ -19,6 +19,8 @@ std::vector<std::string> with_maps(std::vector<std::string> types) {
 }  // namespace
 
 const std::vector<Format>& formats() {
+  static const std::vector<std::pair<std::string, std::string>> kPictures = {{"Profiles", "Image"},
+                                                                             {"Profiles", "Labels"}};
   static const std::vector<Format> all = {
       {".glb", with_maps({"Particles", "Shapes", "Image"}), {}, true, write_glb_file},
       {".mtlx", with_maps({}), {"base_color"}, true, write_materialx_file},
@@ -43,11 +45,11 @@ const std::vector<Format>& formats() {
        {},
        false,
        write_csv_file,
-       {"Image", "Labels"}},
-      {".geojson", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
-      {".coco.json", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
-      {".roi", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
-      {".zip", {"Profiles", "Labels"}, {}, false, write_outlines, {"Image", "Labels"}},
+       {{"Profiles", "Image"}, {"Profiles", "Labels"}, {"Particles", "Shapes"}}},
+      {".geojson", {"Profiles", "Labels"}, {}, false, write_outlines, kPictures},
+      {".coco.json", {"Profiles", "Labels"}, {}, false, write_outlines, kPictures},
+      {".roi", {"Profiles", "Labels"}, {}, false, write_outlines, kPictures},
+      {".zip", {"Profiles", "Labels"}, {}, false, write_outlines, kPictures},
       {".json", {}, {}, true, write_json_file},
       {".obj", {"Shapes"}, {}, false, write_mesh_file},
       {".ply", {"Shapes"}, {}, false, write_mesh_file},
@@ -85,8 +87,8 @@ const Format& format_of(const std::string& path) {
 void check_fit(const Format& format, const std::map<std::string, Value>& connected) {
   if (format.types.empty()) return;
   std::map<std::string, Value> values = connected;
-  if (values.count("Profiles"))
-    for (const std::string& picture : format.pictures) values.erase(picture);
+  for (const auto& [type, other] : format.additions)
+    if (values.count(type)) values.erase(other);
   std::vector<std::string> strangers;
   for (const auto& [type, value] : values)
     if (std::find(format.types.begin(), format.types.end(), type) == format.types.end())

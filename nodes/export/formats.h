@@ -3,6 +3,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runtime/value.h"
@@ -18,7 +19,8 @@ struct Format {
   std::vector<std::string> required = {};  // types without which it cannot be written
   bool several = false;                    // holds several values; otherwise one of `types`
   void (*write)(const Job&) = nullptr;
-  std::vector<std::string> pictures = {};  // may be connected too: they tell the size of a pixel
+  // Types, and others that may be connected beside each, for what they add to it.
+  std::vector<std::pair<std::string, std::string>> additions = {};
 };
 
 // README.md lists the places of a new format.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "graph/diagnostic.h"
 
@@ -107,8 +109,20 @@ Regions find_regions(const VoxelSource& id, const VoxelBox& box, const Particles
 
 Table region_table(const Regions& regions, const VoxelBox& box, const Particles* particles) {
   Table table;
-  table.columns = {"number",     "name",     "kind",    "particle", "class",   "phase",  "voxels",
-                   "volume mm³", "fraction", "size mm", "color_r",  "color_g", "color_b"};
+  table.columns = {"number",
+                   "name",
+                   "kind",
+                   "particle",
+                   "class",
+                   "phase",
+                   "voxels",
+                   "volume mm³",
+                   "fraction",
+                   "size mm",
+                   "equivalent diameter mm",
+                   "color_r",
+                   "color_g",
+                   "color_b"};
   const double voxel = box.spacing.prod();
   for (std::size_t n = 0; n < regions.all.size(); ++n) {
     const Region& r = regions.all[n];
@@ -135,6 +149,7 @@ Table region_table(const Regions& regions, const VoxelBox& box, const Particles*
     add(double(r.voxels) / double(box.count()));
     const bool one = particles && r.particle >= 0;
     add(one ? particles->size[r.particle] : 0, one);
+    add(std::cbrt(6 / std::numbers::pi * double(r.voxels) * voxel), r.particle >= 0);
     const bool colored = particles && (one || r.is == Region::Is::Binder);
     Vec3f color = Vec3f::Zero();
     if (colored) color = one ? particles->color[r.particle] : particles->binder_color;

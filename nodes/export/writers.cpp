@@ -27,7 +27,6 @@ namespace {
 
 std::string csv_of_value(const Value& v) {
   if (v.is<Table>()) return csv_of(v.as<Table>());
-  if (v.is<Particles>()) return csv_of(v.as<Particles>());
   if (v.is<SizeDistribution>()) return csv_of(v.as<SizeDistribution>());
   if (v.is<KMatrix>()) return csv_of(v.as<KMatrix>());
   return csv_of(v.as<Shapes>());
@@ -95,6 +94,8 @@ void write_csv_file(const Job& job) {
   if (const Profiles* profiles = job.find<Profiles>("Profiles"))
     text =
         csv_of(*profiles, {job.picture(*profiles).pixel_size, job.find<Image>("Image")}, job.context.work());
+  else if (const Particles* particles = job.particles())
+    text = csv_of(*particles, job.find<Shapes>("Shapes"));
   else
     text = csv_of_value(job.only());
   write_named(job.context, job.path, [&](const fs::path& file) { write_bytes(file, text); });

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
+#include "graph/diagnostic.h"
 #include "graph/text/utf8.h"
 #include "nodes/common/stereology/profile_columns.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -118,9 +121,11 @@ std::string csv_of(const Profiles& profiles, const ProfilePicture& picture, cons
   return out.take();
 }
 
-std::string csv_of(const Particles& particles) {
-  Lines out({"id", "shape", "class", "x", "y", "z", "qw", "qx", "qy", "qz", "scale", "size", "color_r",
-             "color_g", "color_b", "void"});
+std::string csv_of(const Particles& particles, const Shapes* shapes) {
+  std::vector<std::string> header = {"id", "shape", "class", "x",    "y",       "z",       "qw",      "qx",
+                                     "qy", "qz",    "scale", "size", "color_r", "color_g", "color_b", "void"};
+  if (shapes) header.emplace_back("equivalent_diameter");
+  Lines out(header);
   for (std::size_t i = 0; i < particles.count(); ++i) {
     out.integer(i);
     out.integer(particles.shape[i]);
@@ -132,6 +137,15 @@ std::string csv_of(const Particles& particles) {
     out.number(particles.size[i]);
     out.vector(particles.color[i]);
     out.integer(particles.is_void(i));
+    if (shapes) {
+      if (particles.shape[i] < 0 || particles.shape[i] >= count_of(shapes->shapes))
+        throw Error("no-such-shape",
+                    fmt::format("particle {} has shape {}, but there are {} shapes", i, particles.shape[i],
+                                shapes->shapes.size()),
+                    "connect the shapes used in the packing");
+      out.number(particles.scale[i] *
+                 std::cbrt(6 / std::numbers::pi * shapes->shapes[particles.shape[i]].volume));
+    }
     out.end();
   }
   return out.take();

@@ -25,8 +25,9 @@ struct ProfilePicture {
 // 1), color_r, color_g, color_b, the columns of profile_columns (mm, degrees); areas and lengths in pixels
 // (area_px); mean_r, mean_g, mean_b of the image. Unknown cells are empty.
 std::string csv_of(const Profiles&, const ProfilePicture& = {}, const Work& = {});
-// id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1)
-std::string csv_of(const Particles&);
+// id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1),
+// and with shapes, equivalent_diameter (mm): of the sphere of the same volume. Throws Error "no-such-shape".
+std::string csv_of(const Particles&, const Shapes* = nullptr);
 // shape, class, size_low, size_high (mm), N_V, low, high (per mm³); one row per shape and size class
 std::string csv_of(const SizeDistribution&);
 // shape, profile_class, size_1 … size_n; one line per row of K; classes count from 1

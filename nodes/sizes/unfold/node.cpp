@@ -27,13 +27,15 @@ constexpr double kNearlyFull = 0.9, kRounderThanCells = 0.85;
 const char* unit_of_areas(const UnfoldResult& r) { return r.observations.relative ? "relative" : "mm⁻²"; }
 const char* unit_of_volumes(const UnfoldResult& r) { return r.observations.relative ? "relative" : "mm⁻³"; }
 
-Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
+Table table_of(const UnfoldResult& r, const SizeSummary& summary, double equivalent) {
   const auto per_area = [&](const char* name) { return fmt::format("{} {}", name, unit_of_areas(r)); };
   const auto per_volume = [&](const char* name) { return fmt::format("{} {}", name, unit_of_volumes(r)); };
   Table t;
   t.columns = {"class",
                "from mm",
                "to mm",
+               "equivalent from mm",
+               "equivalent to mm",
                per_area("N_A observed"),
                per_area("N_A refitted"),
                per_volume("N_V"),
@@ -53,6 +55,7 @@ Table table_of(const UnfoldResult& r, const SizeSummary& summary) {
       auto& row = t.rows.emplace_back();
       for (const double v :
            {static_cast<double>(c), r.distribution.class_edges[k], r.distribution.class_edges[k + 1],
+            equivalent * r.distribution.class_edges[k], equivalent * r.distribution.class_edges[k + 1],
             r.fits[c].observed[j], r.fits[c].refitted[j], r.fits[c].density[j], low, high,
             summary.volume_share[k], summary.volume_passing[k]})
         row.emplace_back(v);
@@ -216,7 +219,7 @@ void compute(Context& c) {
   c.metric("volume_d10", summary.d10);
   c.metric("volume_d50", summary.d50);
   c.metric("volume_d90", summary.d90);
-  c.output("table", table_of(r, summary));
+  c.output("table", table_of(r, summary, equivalent_diameter(c.input<KMatrix>("kmatrix"))));
   c.output("figure", figure_of(r, summary));
   c.output("distribution", std::move(r.distribution));
 }
@@ -228,7 +231,7 @@ namespace terrazzo {
 
 NodeType unfold_node() {
   using namespace unfold;
-  return NodeType("Unfold", 12)
+  return NodeType("Unfold", 13)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections, or of the silhouettes that a surface shows. Each color class is unfolded separately; "

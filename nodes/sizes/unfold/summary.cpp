@@ -70,6 +70,16 @@ SizeSummary summarize(const SizeDistribution& d) {
   return s;
 }
 
+double equivalent_diameter(const KMatrix& k) {
+  double sum = 0, probability = 0;
+  for (const auto& e : k.shapes) {
+    if (!(e.max_section_area > 0)) continue;
+    sum += e.probability * e.volume / std::pow(4 / std::numbers::pi * e.max_section_area, 1.5);
+    probability += e.probability;
+  }
+  return probability > 0 ? std::cbrt(6 / std::numbers::pi * sum / probability) : 0;
+}
+
 double sphericity(const KMatrix& k) {
   double sum = 0, probability = 0;
   for (const auto& e : k.shapes) {

@@ -22,6 +22,10 @@ struct SizeSummary {
 // All zeros if there are no particles.
 SizeSummary summarize(const SizeDistribution&);
 
+// Of a particle of size 1, averaged over the shapes of a K matrix: diameter of the sphere of the mean volume;
+// 1 for spheres.
+double equivalent_diameter(const KMatrix&);
+
 // Mean over the shapes of a K matrix of volume / volume of the sphere with the same mean caliper diameter: 1
 // for spheres, less for all other convex bodies.
 double sphericity(const KMatrix&);

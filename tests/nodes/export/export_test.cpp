@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -111,6 +112,17 @@ TEST(ExportCsv, NumbersReadBackAsTheSameNumbers) {
     EXPECT_EQ(cell[15], i == 3);
   }
   EXPECT_FALSE(std::getline(lines, line));
+
+  const Shapes shapes = test::two_shapes();
+  const auto folder = test::temporary_folder();
+  test::run_node("Export", {{"particles", Value::of(p)}, {"shapes", Value::of(shapes)}}, {{"path", "p.csv"}},
+                 folder);
+  std::istringstream wide(test::content_of(folder / "p.csv"));
+  std::getline(wide, line);
+  EXPECT_TRUE(line.ends_with(",void,equivalent_diameter")) << line;
+  std::getline(wide, line);
+  EXPECT_NEAR(std::stod(line.substr(line.rfind(',') + 1)),
+              p.scale[0] * std::cbrt(6 / std::numbers::pi * shapes.shapes[p.shape[0]].volume), 1e-12);
 }
 
 TEST(ExportCsv, WordsAreQuotedWhereTheyMustBe) {

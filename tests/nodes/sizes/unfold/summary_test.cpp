@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "nodes/sizes/unfold/summary.h"
 
@@ -39,6 +40,16 @@ TEST(UnfoldSummary, MeansAndQuantilesOfKnownSizes) {
   EXPECT_NEAR(std::log(l.geometric_sd), 0.4, 0.002);
   EXPECT_NEAR(l.d50, 3 * std::exp(3 * 0.16), 0.03);  // Hatch and Choate 1929
   EXPECT_EQ(summarize({}).N_V, 0);
+}
+
+TEST(UnfoldSummary, EquivalentDiameters) {
+  KMatrix k;
+  k.shapes.resize(1);
+  k.shapes[0].max_section_area = 9 * std::numbers::pi / 4;  // of size 3
+  k.shapes[0].volume = 27 * std::numbers::pi / 6;
+  EXPECT_NEAR(equivalent_diameter(k), 1, 1e-12);
+  k.shapes[0].volume /= 8;
+  EXPECT_NEAR(equivalent_diameter(k), 0.5, 1e-12);
 }
 
 }  // namespace
