@@ -148,7 +148,7 @@ void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first)
   options.output_folder = session_.options().output_folder;
   auto& e = session_.evaluator();
   const Plan plan = plan_run(*graph, options, e.store(), e.hashes(), session_.history());
-  apply_plan(states_, *graph, plan, true);
+  apply_plan(states_, *graph, plan, true, shown_first);  // only a request leaves the graph as it was
   seconds_ = 0;
   then_.clear();
   const int shown = shown_first ? graph->find(shown_) : -1;

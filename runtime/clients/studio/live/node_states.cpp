@@ -48,7 +48,7 @@ json json_of(const NodeState& s) {
   return out;
 }
 
-void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool running) {
+void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool running, bool changed) {
   NodeStates now;
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const std::string& path = graph.nodes[i].path;
@@ -64,6 +64,10 @@ void apply_plan(NodeStates& states, const Graph& graph, const Plan& plan, bool r
       s.seconds = p.seconds;
       s.previews.clear();
     } else if (p.step == Plan::Step::Unneeded) {
+      if (!changed && before != states.end()) {
+        now[path] = std::move(s);
+        continue;
+      }
       s.state = "stale";
       s.reasons.clear();
       s.previews.clear();

@@ -40,7 +40,8 @@ using NodeStates = std::map<std::string, NodeState>;
 nlohmann::json json_of(const NodeState&);
 nlohmann::json json_of(const Diagnostic&);
 
-// The states of a plan. Keeps what earlier runs found.
-void apply_plan(NodeStates&, const Graph&, const Plan&, bool running);
+// The states of a plan. Keeps what earlier runs found, and of nodes that the plan does not need also their
+// states unless the graph has `changed`.
+void apply_plan(NodeStates&, const Graph&, const Plan&, bool running, bool changed = true);
 
 }  // namespace terrazzo::studio

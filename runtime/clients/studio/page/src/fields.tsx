@@ -1,5 +1,7 @@
 import { useEffect, useRef, useState } from 'react';
 
+import { isHex } from './color';
+import { DropperButton } from './dropper';
 import { steadily } from './store';
 import type { Written } from './types';
 
@@ -19,7 +21,7 @@ function written(text: string, kind: string): Written {
 
 type Send = (v: Written, merge: boolean) => Promise<unknown>;
 
-function useSender(send: Send) {
+export function useSender(send: Send) {
   const latest = useRef(send);
   latest.current = send;
   const [moving] = useState(() => steadily((v: Written) => latest.current(v, true)));
@@ -31,7 +33,7 @@ function useSender(send: Send) {
 }
 
 // `price` receives the value that would be sent, and null once it was sent or dropped.
-export function Field({ spec, value, send, price, files = [] }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[] }) {
+export function Field({ spec, value, send, price, files = [], found }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[]; found?: string | null }) {
   const [draft, setDraft] = useState<string | null>(null);
   const sender = useSender(send);
   const drag = useRef<{ x: number; start: number; step: number } | null>(null);
@@ -81,8 +83,10 @@ export function Field({ spec, value, send, price, files = [] }: { spec: FieldSpe
         <input id={id} value={text} list={spec.keywords.length || spec.choices.length || files.length ? `${id}-words` : undefined} spellCheck={false}
           onChange={e => { setDraft(e.target.value); if (e.target.value.trim()) price?.(written(e.target.value, spec.kind)); }} onBlur={commit}
           onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setDraft(null), price?.(null); }} />
-        {spec.kind === 'color' && /^#[0-9a-f]{6}$/i.test(text) &&
-          <input type="color" value={text} aria-label={`${spec.name}, color`} onChange={e => { setDraft(e.target.value); sender.move(e.target.value); }} />}
+        {spec.kind === 'color' && (isHex(text) || found) && <>
+          <input type="color" className={isHex(text) ? '' : 'found'} value={isHex(text) ? text : found!} title={isHex(text) ? '' : `${text}: ${found} was found`} aria-label={isHex(text) ? `${spec.name}, color` : `${spec.name}, found ${found}`}
+            onChange={e => { setDraft(e.target.value); sender.move(e.target.value); }} />
+          <DropperButton title={`Take ${spec.name} from the picture`} take={c => sender.set(c)} /></>}
         {slider && <input type="range" aria-label={`${spec.name}, slider`} min={spec.min} max={spec.max} step={spec.kind === 'int' ? 1 : (spec.max! - spec.min!) / 200}
           value={Number(text)} onChange={e => move(Number(e.target.value))} onPointerUp={() => price?.(null)} onBlur={() => price?.(null)} />}
         {(spec.keywords.length > 0 || spec.choices.length > 0 || files.length > 0) && <datalist id={`${id}-words`}>{[...spec.keywords, ...spec.choices, ...files].map(k => <option key={k} value={k} />)}</datalist>}

@@ -32,8 +32,8 @@ const formats: Record<string, string[]> = {
   Volume: ['vdb', 'nvdb', 'vti', 'dream3d', 'nii.gz', 'npy', 'inp', 'stl', 'msh'],
 };
 const titles: Record<string, string> = {
-  glb: 'glTF, for Blender, Unreal and browsers', usda: 'OpenUSD', xml: 'Mitsuba 3', pbrt: 'pbrt-v4', vdb: 'OpenVDB', nvdb: 'NanoVDB', vti: 'VTK', dream3d: 'DREAM.3D', 'nii.gz': 'NIfTI',
-  npy: 'NumPy', inp: 'Abaqus', msh: 'Gmsh', exr: 'OpenEXR, linear', mtlx: 'MaterialX',
+  glb: 'glTF', usda: 'OpenUSD', xml: 'Mitsuba 3', pbrt: 'pbrt-v4', vdb: 'OpenVDB', nvdb: 'NanoVDB', vti: 'VTK', dream3d: 'DREAM.3D', 'nii.gz': 'NIfTI',
+  npy: 'NumPy', inp: 'Abaqus', msh: 'Gmsh', exr: 'OpenEXR', mtlx: 'MaterialX',
 };
 export const formatOf = (path: string) => /\.(nii\.gz|[^./]+)$/.exec(path)?.[1] ?? '';
 
@@ -53,16 +53,16 @@ function Format({ node, path }: { node: DocNode | undefined; path: string }) {
   const list = node && doc ? offered(node, doc, types) : [];
   if (!node || written.includes('${') || !list.includes(now)) return <span title={titles[now]}>{now.toUpperCase()}</span>;
   const change = (format: string) => void edit([{ op: 'set', node: node.name, name: 'path', value: `${written.slice(0, written.length - now.length)}${format}` }]);
-  return <select value={now} aria-label={`Format of ${path}`} title={titles[now]} onChange={e => change(e.target.value)}>{list.map(f => <option key={f} value={f}>{f.toUpperCase()}{titles[f] ? `  ${titles[f]}` : ''}</option>)}</select>;
+  return <select value={now} aria-label={`Format of ${path}`} title={titles[now]} onChange={e => change(e.target.value)}>{list.map(f => <option key={f} value={f}>{f.toUpperCase()}{titles[f] ? `, ${titles[f]}` : ''}</option>)}</select>;
 }
 
-const current = (s: NodeState | undefined) => s?.state === 'cached' || s?.state === 'computed';
+const upToDate = (s: NodeState | undefined) => s?.state === 'cached' || s?.state === 'computed';
 
 function Row({ file, folder }: { file: Written; folder: string }) {
   const name = file.node.split(/[/[]/)[0], node = useStore(s => s.doc?.nodes.find(n => n.name === name));
   const state = useStore(s => (node ? stateOf(node, s.nodes) : undefined), (a, b) => a?.state === b?.state && a?.error === b?.error);
   const exists = file.bytes !== undefined;
-  const said = state?.state === 'running' ? 'writing…' : state?.state === 'failed' ? state.error?.message ?? 'failed' : !exists ? 'not written yet' : current(state) ? '' : 'older than the graph';
+  const said = state?.state === 'running' ? 'writing…' : state?.state === 'failed' ? state.error?.message ?? 'failed' : !exists ? 'not written yet' : upToDate(state) ? '' : 'may be older than the graph';
   return (
     <tr>
       <td><button className="link" title={`Select ${name}`} onClick={() => select(name)}>{file.path}</button></td>
@@ -108,18 +108,18 @@ export function Files() {
 // Says what the last evaluation wrote.
 export function WroteFiles() {
   const [said, setSaid] = useState<{ count: number; folder: string } | null>(null);
-  const running = useStore(s => s.run.running), file = useStore(s => s.doc?.file);
+  const running = useStore(s => s.run.running), file = useStore(s => s.doc?.file), listed = useStore(s => s.drawer === 'files');
   useEffect(() => setSaid(null), [file, running]);
   useEffect(() => {
     if (running) return;
     let current = true;
     const timer = setTimeout(() => { // the last nodes report with the next frame
-      const wrote = Object.values(useStore.getState().nodes).filter(n => n.state === 'computed').reduce((sum, n) => sum + n.files.length, 0);
+      const wrote = Object.values(useStore.getState().nodes).filter(upToDate).reduce((sum, n) => sum + n.files.length, 0);
       if (wrote) void fetchOutputs().then(o => current && o && setSaid({ count: wrote, folder: o.folder }));
     }, 200);
     return () => { current = false; clearTimeout(timer); };
   }, [running]);
-  if (!said) return null;
+  if (!said || listed) return null;
   return <p><b>{said.count} {said.count === 1 ? 'file' : 'files'} in {said.folder}</b>
     <button onClick={() => { useStore.setState({ drawer: 'files' }); setSaid(null); }}>Show</button>
     <button onClick={() => void copy(said.folder)}>Copy folder</button><button onClick={() => setSaid(null)}>Dismiss</button></p>;

@@ -48,6 +48,16 @@ export function followed(s: Seen): Target | null {
   }) ?? null;
 }
 
+// The pictures that colors can be taken from: of the material, and the photograph.
+export function imagesOf(s: Seen): Target[] {
+  const doc = shownDoc(s);
+  return doc ? picturesOf(doc, s.types).filter(({ node, port }, k, all) => {
+    const n = doc.nodes.find(x => x.name === node);
+    return n && valueOf(n, port, s.nodes)?.type === 'Image' && all.findIndex(t => t.node === node && t.port === port) === k
+      && (k === 0 || solidsOf(n, doc, s.types).length > 0 || !Object.keys(n.inputs).length);
+  }) : [];
+}
+
 // The node of the main picture, whether it is there or not.
 export const mainNode = (s: Seen): string => { const doc = shownDoc(s); return (doc && picturesOf(doc, s.types)[0]?.node) ?? ''; };
 

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState, type PointerEvent } from 'react';
 
 import { useLoaded, useReference } from './load';
+import { useDropper } from './dropper';
 import { nibOf, paint, setRegion } from './nib';
 import type { Pen } from './pen';
 import { fetchRaster, isPreview, PanZoom, Picture, type Raster } from './raster';
@@ -78,14 +79,15 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
   const over = useClip(share, !!reference && !!old);
   const tool = useStore(s => (s.tool === 'nib' || s.tool === 'region' ? s.tool : null)), doc = useStore(shownDoc), scope = useStore(s => s.scope);
   const [radius, setRadius] = useState(8);
+  const dropper = useDropper(data);
   if (!data) return <p className="none">{error || 'Loading…'}</p>;
   const factor = data.fullWidth / data.width, known = doc && nibOf(node, doc);
   const port = Object.entries(useStore.getState().nodes[node.name]?.outputs ?? {}).find(([, o]) => o.hash === value.hash)?.[0] ?? 'image';
   const choose = (name: string) => useStore.setState(s => ({ tool: s.tool === name ? null : name }));
   const leave = () => useStore.setState({ tool: null });
   const full = (points: [number, number][]): [number, number][] => points.map(([x, y]) => [x * factor, y * factor]);
-  const pen: Pen | null = tool === 'nib' && !scope ? { least: 1, most: 1e9, freehand: true, shape: 'line', wide: (2 * radius) / factor, leave, done: points => void paint(node, port, full(points), radius) }
-    : tool === 'region' && known ? { least: 2, most: 2, freehand: false, shape: 'box', leave, done: points => void setRegion(known.nib, full(points)).then(leave) } : null;
+  const pen: Pen | null = dropper ?? (tool === 'nib' && !scope ? { least: 1, most: 1e9, freehand: true, shape: 'line', wide: (2 * radius) / factor, leave, done: points => void paint(node, port, full(points), radius) }
+    : tool === 'region' && known ? { least: 2, most: 2, freehand: false, shape: 'box', leave, done: points => void setRegion(known.nib, full(points)).then(leave) } : null);
   return (
     <>
       {!scope && !isPreview(value.hash) && tool && (

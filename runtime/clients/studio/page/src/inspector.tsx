@@ -1,20 +1,20 @@
 import { useEffect, useState } from 'react';
 
+import { hexOfLinear } from './color';
 import { Field } from './fields';
 import { bytesText, numberText, secondsText } from './format';
+import { readerOf, useFoundColor } from './found';
 import { Inputs } from './inputs';
+import { FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
 import { askPrice, bypass, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
-import type { DocNode, Parameter, Written } from './types';
+import type { Doc, DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {
   const v = p.default;
   if (v === undefined || v === null) return '';
   if (Array.isArray(v)) {
-    if (p.kind === 'color' && v.length === 3) {
-      const byte = (x: number) => Math.round(255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055));
-      return '#' + (v as number[]).map(x => Math.min(255, Math.max(0, byte(x))).toString(16).padStart(2, '0')).join('');
-    }
+    if (p.kind === 'color' && v.length === 3) return hexOfLinear(v as number[]);
     return v.map(String);
   }
   return String(v);
@@ -109,6 +109,16 @@ function PriceLine() {
   return price && <em className="price">{priceText(price)}</em>;
 }
 
+// Fields of colors show what was found where they say auto.
+function NodeField({ node, ...field }: { node: DocNode } & Parameters<typeof Field>[0]) {
+  return <Field {...field} found={useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name)} />;
+}
+
+function GraphField({ doc, ...field }: { doc: Doc } & Parameters<typeof Field>[0]) {
+  const reader = field.spec.kind === 'color' ? readerOf(doc, field.spec.name) : undefined;
+  return <Field {...field} found={useFoundColor(reader?.node, reader?.parameter ?? '')} />;
+}
+
 function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
   const inside = useStore(s => !!s.scope);
@@ -119,16 +129,19 @@ function NodeInspector({ node }: { node: DocNode }) {
         {inside ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Bypass the node: its readers get its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
+      <FoundColors node={node} />
       {!!declaration?.inputs.length && <Inputs node={node} inputs={declaration.inputs} />}
       {!!declaration?.parameters.length && <h2>Parameters <PriceLine /></h2>}
       {inside && <p className="doc">This node belongs to the file of a subgraph. Open that file to change it.</p>}
       <fieldset className="fields" disabled={inside}>
         {declaration?.parameters.map(p => {
           const own = node.params[p.name];
+          const items = own ? own.value : defaultText(p);
+          if (p.kind === 'texts' && Array.isArray(items) && isPalette(items)) return <PaletteEditor key={`${node.name}.${p.name}`} node={node} declaration={declaration} spec={p} items={items} />;
           if (p.kind === 'texts' && Array.isArray(own?.value)) return <Items key={`${node.name}.${p.name}`} node={node} spec={p} items={own.value} />;
           return (
             <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
-              <Field spec={p} value={own ? own.value : defaultText(p)}
+              <NodeField node={node} spec={p} value={items}
                 send={(value, merge) => edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
                 price={value => void askPrice(value === null ? null : [{ op: 'set', node: node.name, name: p.name, value }])} />
               {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
@@ -155,7 +168,7 @@ function GraphInspector() {
       <div className="fields">
         {doc.parameters.map(p => (
           <div key={p.name} className="field own">
-            <Field spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
+            <GraphField doc={doc} spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
               price={value => void askPrice(value === null ? null : [{ op: 'set_default', name: p.name, value }])} /><span />
           </div>
         ))}

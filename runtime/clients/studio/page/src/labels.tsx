@@ -1,21 +1,14 @@
 import { useEffect, useState } from 'react';
 
-import type { Pen, Point } from './pen';
-import { fetchRaster, PanZoom, Picture, type Raster } from './raster';
+import { colorAt } from './color';
+import { useDropper } from './dropper';
+import type { Pen } from './pen';
+import { fetchRaster, PanZoom, Picture } from './raster';
 import { useStore } from './store';
 import { correct, setBinder, tools, usable } from './tools';
 import type { DocNode, OutputValue } from './types';
 import { Sections } from './images';
 import { useLoaded, useNearest } from './load';
-
-// The median color of the 5 × 5 pixels around a point: grain and noise do not matter.
-function colorAt(r: Raster, [x, y]: Point): string {
-  const bytes = new Uint8Array(r.data), channels: number[][] = [[], [], []];
-  for (let v = Math.floor(y) - 2; v <= Math.floor(y) + 2; ++v)
-    for (let u = Math.floor(x) - 2; u <= Math.floor(x) + 2; ++u)
-      if (u >= 0 && v >= 0 && u < r.width && v < r.height) channels.forEach((c, k) => c.push(bytes[4 * (v * r.width + u) + k]));
-  return '#' + channels.map(c => c.sort((a, b) => a - b)[c.length >> 1].toString(16).padStart(2, '0')).join('');
-}
 
 function Tools({ node }: { node: DocNode }) {
   const tool = useStore(s => s.tool);
@@ -48,7 +41,7 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
     colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
   } : null));
   const under = useLoaded(`${base?.value.hash}.${section}`, async () => (base ? fetchRaster(base.value.hash, 'pixels', section) : null));
-  const data = labels.data, photo = under.data;
+  const data = labels.data, photo = under.data, dropper = useDropper(photo);
   const fits = !data || (photo && data.ids.fullWidth === photo.fullWidth);
   const size = data?.ids ?? photo;
   if (!size) return <p className="none">{labels.error || under.error || 'There is no result yet.'}</p>;
@@ -56,24 +49,24 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
   const tool = editable ? tools.find(t => t.name === name && usable(t, node)) : undefined;
   const leave = () => useStore.setState({ tool: null });
   const factor = size.fullWidth / size.width;
-  const pen: Pen | null = tool ? {
+  const pen: Pen | null = dropper ?? (tool ? {
     ...tool.pen, leave,
     done: points => {
       if (tool.name !== 'binder') return void correct(node, tool.name, points.map(([x, y]) => [x * factor, y * factor]), section);
       if (photo) void setBinder(node, colorAt(photo, points[0])).then(leave);
     },
-  } : null;
+  } : null);
   const ids = data && new Int32Array(data.ids.data);
   return (
     <>
       {editable && <Tools node={node} />}
       <PanZoom width={size.width} height={size.height} pen={pen} hover={(x, y) => {
-        if (tool?.name === 'binder') return photo ? `binder ${colorAt(photo, [x, y])}` : '';
+        if (dropper || tool?.name === 'binder') return photo ? `${dropper ? 'color' : 'binder'} ${colorAt(photo, [x, y])}` : '';
         const id = ids ? ids[y * size.width + x] : 0;
         return `${x}, ${y}   ${id ? `profile ${id}` : 'binder'}`;
       }}>
         {fits && photo && <Picture raster={photo} />}
-        {data && <Picture raster={data.colors} opacity={fits && photo ? (tool?.name === 'binder' ? 0 : opacity) : 1} />}
+        {data && <Picture raster={data.colors} opacity={fits && photo ? (dropper || tool?.name === 'binder' ? 0 : opacity) : 1} />}
       </PanZoom>
       <div className="options">
         {tool ? <span>{tool.hint}</span> : <>

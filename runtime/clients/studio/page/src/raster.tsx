@@ -1,5 +1,6 @@
 import { useCallback, useEffect, useRef, useState, type PointerEvent, type ReactNode, type WheelEvent } from 'react';
 
+import { SavePicture } from './save_picture';
 import { Draft, usePen, type Pen, type View } from './pen';
 
 export interface Raster { width: number; height: number; sections: number; fullWidth: number; fullHeight: number; data: ArrayBuffer }
@@ -111,6 +112,7 @@ export function PanZoom({ width, height, children, hover, pen = null, smooth = f
         drag.current = null;
       }} onPointerLeave={() => setNote('')}>
       {view && <div className="content" style={{ transform: `translate(${view.x}px, ${view.y}px) scale(${view.k})`, width, height }}>{children}{draft && <Draft pen={pen!} state={draft} k={view.k} width={width} height={height} />}</div>}
+      <SavePicture canvases={() => [...box.current!.querySelectorAll('canvas')]} />
       <output className="readout">{note || (view && !smooth ? `${width} × ${height} pixels, ${Math.round(100 * view.k)} %` : '')}</output>
     </div>
   );

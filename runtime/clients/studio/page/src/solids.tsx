@@ -6,6 +6,7 @@ import { particleBodies, readParticles, readShapes, shapeBodies, voxelBlock, typ
 import { numberText } from './format';
 import { Wipe } from './images';
 import { fetchBytes, fetchJson, useLoaded, useReference } from './load';
+import { SavePicture } from './save_picture';
 import { nearest, shownDoc, splitWire, useStore, valueOf } from './store';
 import { hasWebGL, Stage, type Content } from './stage';
 import type { DocNode, OutputValue } from './types';
@@ -102,6 +103,7 @@ export function StageView({ solid, before, plane, onPlane, onPick, label, childr
         if (from && onPick && e.button === 0 && e.target instanceof HTMLCanvasElement && Math.hypot(e.clientX - from[0], e.clientY - from[1]) < 4) onPick(stage.current?.pick(e.clientX, e.clientY) ?? null);
       }}
       onDoubleClick={() => { if (solid) stage.current?.lookAt(solid.content.box, new Vector3(-0.55, -1, 0.62)); }}>
+      <SavePicture canvases={() => (stage.current ? [stage.current.picture()] : [])} />
       {before && <Wipe share={share} set={setShare} label="before" />}
       {children}
     </div>

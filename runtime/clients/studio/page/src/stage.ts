@@ -218,6 +218,13 @@ export class Stage {
     });
   }
 
+  // The canvas with what is shown, to be read at once: the browser clears it later.
+  picture(): HTMLCanvasElement {
+    if (this.coarse) this.setCoarse(false);
+    this.paint();
+    return this.canvas;
+  }
+
   private setCoarse(on: boolean) {
     this.coarse = on;
     for (const c of this.contents) c?.coarse?.(on);

@@ -1,5 +1,6 @@
 import { create } from 'zustand';
 
+import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
 import { learn } from './progress';
@@ -27,6 +28,7 @@ interface Store {
   picture: File | null; // to make a graph of
   savingAs: boolean;
   tool: string | null; // that is used in the picture
+  dropper: Dropper | null; // that takes a color from a picture
   extra: string; // another view of the selected node than that of its output, or ""
   reference: Reference | null; // what results are compared with
   price: Price | null; // of an edit that is being made
@@ -41,12 +43,12 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', line: null,
-  start: null, starting: false, picture: null, savingAs: false, tool: null, extra: '', reference: null, price: null,
+  start: null, starting: false, picture: null, savingAs: false, tool: null, dropper: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', wide: false,
 }));
 const set = useStore.setState;
 
-export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '' }));
+export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '', dropper: null }));
 // What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
 export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
 export const goToLine = (number: number) => set({ drawer: 'yaml', line: { number } });

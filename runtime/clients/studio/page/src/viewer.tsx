@@ -1,10 +1,12 @@
-import { followed, galleryPicture, mainNode } from './follow';
+import { useEffect, useState } from 'react';
+
+import { followed, galleryPicture, imagesOf, mainNode } from './follow';
 import { LabelsView } from './labels';
 import { LinkedView } from './linked';
 import { useNearest, useNode } from './load';
 import { PlaneBar, PlaneView } from './plane';
 import { percentText } from './progress';
-import { declarationOf, post, previewOf, stateOf, useStore, valueOf } from './store';
+import { declarationOf, post, previewOf, shownDoc, stateOf, useStore, valueOf, type Target } from './store';
 import { View } from './viewers';
 import { Waiting } from './waiting';
 import type { DocNode, OutputValue } from './types';
@@ -38,20 +40,43 @@ function Stage({ node, value, kind, extra }: { node: DocNode | undefined; value:
   return <p className="none">{!kind ? 'This node writes files and has no outputs.' : 'There is no result yet.'}</p>;
 }
 
+const none: Target[] = [];
+// A palette shows itself in the inspector, and the viewer the material that it colors.
+const seesNothing = (s: ReturnType<typeof useStore.getState>) => shownDoc(s)?.nodes.find(n => n.name === s.selected)?.type === 'Palette';
+
 export function Viewer() {
   const types = useStore(s => s.types), nodes = useStore(s => s.nodes);
-  const pinned = useStore(s => s.pinned), selected = useStore(s => s.selected), port = useStore(s => s.port), wide = useStore(s => s.wide);
-  const auto = useStore(s => (s.pinned || s.selected ? null : followed(s)), (a, b) => a?.node === b?.node && a?.port === b?.port);
+  const pinned = useStore(s => s.pinned), port = useStore(s => s.port), wide = useStore(s => s.wide);
+  const selected = useStore(s => (seesNothing(s) ? null : s.selected));
+  const auto = useStore(s => (s.pinned || (s.selected && !seesNothing(s)) ? null : followed(s)), (a, b) => a?.node === b?.node && a?.port === b?.port);
   const gallery = useStore(s => (auto && s.run.running && auto.node !== mainNode(s) ? galleryPicture(s.doc, s.start) : null));
-  const name = pinned?.node ?? selected ?? auto?.node, node = useNode(name);
+  const dropper = useStore(s => s.dropper), sources = useStore(s => (s.dropper ? imagesOf(s) : none), (a, b) => JSON.stringify(a) === JSON.stringify(b));
+  const [source, setSource] = useState<Target | null>(null);
+  useEffect(() => setSource(null), [dropper]);
+  useEffect(() => {
+    const key = (e: KeyboardEvent) => { if (e.key === 'Escape') useStore.setState({ dropper: null }); };
+    if (dropper) window.addEventListener('keydown', key);
+    return () => window.removeEventListener('keydown', key);
+  }, [dropper]);
+  const drop = dropper ? source ?? sources[0] ?? null : null;
+  const name = drop?.node ?? pinned?.node ?? selected ?? auto?.node, node = useNode(name);
   const reference = useStore(s => s.reference);
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [], extras = node ? extrasOf(node, outputs) : [];
   const chosen = useStore(s => s.extra), extra = extras.includes(chosen) ? chosen : '';
-  const shown = pinned?.port ?? (selected ? port : auto?.port) ?? outputs[0]?.name ?? '';
+  const shown = drop?.port ?? pinned?.port ?? (selected ? port : auto?.port) ?? outputs[0]?.name ?? '';
   const preview = node && previewOf(node, shown, nodes);
   const value = preview ?? (node && valueOf(node, shown, nodes));
   const state = node && stateOf(node, nodes);
   const old = value && !preview && state && !['cached', 'computed', 'bypassed'].includes(state.state);
+  if (drop && node && value)
+    return (
+      <section className="viewer" aria-label="Viewer">
+        <div className="tabs"><b>{dropper!.title}</b>
+          <span className="ports">{sources.map(t => <button key={`${t.node}.${t.port}`} aria-pressed={t.node === drop.node && t.port === drop.port} onClick={() => setSource(t)}>{t.node}{t.port === 'image' ? '' : `.${t.port}`}</button>)}</span>
+          <button onClick={() => useStore.setState({ dropper: null })}>Cancel</button></div>
+        <div className="stage"><View key={value.hash} value={value} node={node} /></div>
+      </section>
+    );
   return (
     <section className={`viewer${extra ? ' tall' : ''}`} aria-label="Viewer">
       <div className="tabs">
