@@ -350,11 +350,9 @@ void texts(Writer& w, const fs::path& source) {
   roi.resize(63);
   roi += std::string("\x4c\0\0\0\5\0\3\0\0\0\2\0\3", 13);
   roi.resize(140);
-  for (const char* node : {"LoadLabels", "LoadProfiles"}) {
-    w.text(std::string(node) + ".geojson", "a.geojson", geojson);
-    w.text(std::string(node) + ".json", "a.json", coco);
-    w.text(std::string(node) + ".roi", "a.roi", roi);
-  }
+  w.text("LoadProfiles.geojson", "a.geojson", geojson);
+  w.text("LoadProfiles.json", "a.json", coco);
+  w.text("LoadProfiles.roi", "a.roi", roi);
   w.text("LoadEBSD.ang", "a.ang",
          "# Phase 1\n# MaterialName a\n# Symmetry 43\n# GRID: HexGrid\n# XSTEP: 1\n# YSTEP: 0.866\n"
          "# NCOLS_ODD: 3\n# NCOLS_EVEN: 2\n# NROWS: 2\n1 1 1 0 0 9 0.9 1\n1 1 1 1 0 9 0.9 1\n"
