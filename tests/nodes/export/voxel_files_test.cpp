@@ -118,9 +118,9 @@ TEST(ExportVti, WritesATableOfItsNumbers) {
       {{"regions", "phases"}});
   const auto lines = lines_of(file.parent_path() / "a.vti.csv");
   ASSERT_EQ(lines.size(), 6u);
-  EXPECT_EQ(
-      lines[0],
-      "number,name,kind,particle,class,phase,voxels,volume mm³,fraction,size mm,equivalent diameter mm,color_r,color_g,color_b");
+  EXPECT_EQ(lines[0],
+            "number,name,kind,particle,class,phase,voxels,volume mm³,fraction,size mm,equivalent diameter "
+            "mm,color_r,color_g,color_b");
   EXPECT_EQ(lines[1].substr(0, 20), "0,BINDER,binder,,,0,");
   EXPECT_EQ(lines[2].substr(0, 19), "1,PHASE_0,phase,,0,");
   EXPECT_EQ(lines[5].substr(0, 15), "4,VOIDS,void,,,");
