@@ -38,7 +38,7 @@ Plot crystal_plot(const CrystalSizes& crystals) {
   Plot plot;
   plot.title = "Crystal size distribution";
   plot.x_label = "size, mm";
-  plot.y_label = "ln of N_V per mm⁻³ and mm";
+  plot.y_label = "ln of N_V / class width, mm⁻⁴";
   PlotSeries points{PlotSeries::Kind::Points, "", crystals.size, crystals.density, {}, {}, 0}, line;
   line.color = 1;
   for (const double x : {crystals.size.front(), crystals.size.back()}) {
