@@ -220,5 +220,30 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   EXPECT_EQ(r["turned_without"], true);
 }
 
+// A material that shows itself, its palette, its files, and what an evaluation does.
+TEST_F(StudioPage, ShowsTheMaterialItsPaletteAndItsFiles) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "material.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["selected"], 0);
+  EXPECT_EQ(r["typed"], "#ff0000, #806040, #c0c0b0; 1, 2, 5");
+  EXPECT_EQ(r["weighted"], "#ff0000, #806040, #c0c0b0; 1, 3, 5");
+  EXPECT_EQ(r["moved"], "#806040, #ff0000, #c0c0b0; 3, 1, 5");
+  EXPECT_EQ(r["removed"], "#806040, #ff0000; 3, 1");
+  EXPECT_EQ(r["pasted"], "#806040, #ff0000, #00ff00, #123456; 3, 1, 1, 1");
+  EXPECT_EQ(r["taken"], r["under"].get<std::string>() + ", #ff0000, #00ff00, #123456; 3, 1, 1, 1");
+  EXPECT_EQ(r["picture"], "stone_block.png");
+  EXPECT_EQ(r["listed"], 3);
+  EXPECT_NE(r["unwritten"].get<std::string>().find("not written yet"), std::string::npos) << r["unwritten"];
+  EXPECT_EQ(r["block_stays"], "cached");
+  EXPECT_EQ(r["same"], true);
+  EXPECT_EQ(r["name"], "stone.json");
+  EXPECT_EQ(r["notice"], r["expected_notice"]);
+  EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
+}
+
 }  // namespace
 }  // namespace terrazzo

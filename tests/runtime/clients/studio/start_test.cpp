@@ -185,6 +185,8 @@ TEST(StudioNewMaterial, ThePhotographsGraphIsCompleteAndComputesNothingElse) {
   for (const auto& d : found) EXPECT_EQ(d.code, "no-file") << d.text();
   EXPECT_EQ(graph.name, "Stone");
   EXPECT_NE(text.find("# at the photograph's scale"), std::string::npos);
+  for (const char* file : {"{path: Stone.glb}", "{path: Stone_preview.png}"})
+    EXPECT_NE(text.find(file), std::string::npos) << file;
   EXPECT_GE(graph.find("segment"), 0);
   EXPECT_EQ(graph.find("voxels_2004"), -1);
   for (const int i : graph.sinks()) {

@@ -270,6 +270,26 @@ TEST_F(Studio, KeepsWhereNodesAreBesideTheGraph) {
   EXPECT_EQ(post("/api/arrange", {{"arrangement", mine}}), 400);  // it is not replaced
 }
 
+TEST_F(Studio, SendsOnlyFilesThatTheGraphWrites) {
+  const fs::path out = fs::absolute("out") / "studio_test_file.json";
+  ASSERT_EQ(post("/api/text",
+                 {{"text",
+                   kText + "  w: {type: Write, inputs: {in: a}, params: {path: studio_test_file.json}}\n"}}),
+            200);
+  EXPECT_EQ(client().Get("/api/output?path=studio_test_file.json")->status, 400);
+  EXPECT_EQ(get("/api/outputs"), json({{"folder", out.parent_path().string()},
+                                       {"files", {{{"node", "w"}, {"path", "studio_test_file.json"}}}}}));
+  write_text_atomically(out, "5");
+  EXPECT_EQ(get("/api/outputs")["files"][0]["bytes"], 1);
+  EXPECT_EQ(client().Get("/api/output?path=studio_test_file.json")->body, "5");
+  for (const char* path : {"other.json", "../graph.yaml", "/etc/passwd", ""})
+    EXPECT_EQ(client().Get("/api/output?path=" + std::string(path))->status, 400) << path;
+  fs::remove(out);
+  fs::create_symlink(file, out);  // a link out of the folder
+  EXPECT_EQ(client().Get("/api/output?path=studio_test_file.json")->status, 400);
+  fs::remove(out);
+}
+
 TEST_F(Studio, ListsFilesBelowTheGraphsFolder) {
   fs::create_directories(file.parent_path() / "pictures");
   write_text_atomically(file.parent_path() / "pictures/a.png", "");

@@ -1,6 +1,7 @@
 import { useEffect, useRef, useState, type PointerEvent } from 'react';
 
 import { useLoaded, useReference } from './load';
+import { colorAt } from './color';
 import { useDropper } from './dropper';
 import { nibOf, paint, setRegion } from './nib';
 import type { Pen } from './pen';
@@ -99,7 +100,7 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
         </div>
       )}
       <div className="wiped">
-        <PanZoom pen={pen} width={data.width} height={data.height} smooth={isPreview(value.hash)} hover={(x, y) => `${Math.round(x * factor)}, ${Math.round(y * factor)}   sRGB ${srgb(data, x, y)}`}>
+        <PanZoom pen={pen} width={data.width} height={data.height} smooth={isPreview(value.hash)} hover={(x, y) => dropper ? `color ${colorAt(data, [x, y])}` : `${Math.round(x * factor)}, ${Math.round(y * factor)}   sRGB ${srgb(data, x, y)}`}>
           {reference && old && <Picture raster={exposed(old, stops)} />}
           <div ref={over} className="over"><Picture raster={exposed(data, stops)} /></div>
         </PanZoom>

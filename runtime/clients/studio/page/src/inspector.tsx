@@ -123,6 +123,10 @@ function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
   const inside = useStore(s => !!s.scope);
   const files = useFiles(!!declaration?.parameters.some(p => p.kind === 'path'));
+  const colored = declaration?.parameters.some(p => { // its editor has the shares
+    const items = node.params[p.name]?.value ?? defaultText(p);
+    return p.kind === 'texts' && Array.isArray(items) && isPalette(items);
+  });
   return (
     <>
       <div className="title">{inside ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
@@ -134,7 +138,7 @@ function NodeInspector({ node }: { node: DocNode }) {
       {!!declaration?.parameters.length && <h2>Parameters <PriceLine /></h2>}
       {inside && <p className="doc">This node belongs to the file of a subgraph. Open that file to change it.</p>}
       <fieldset className="fields" disabled={inside}>
-        {declaration?.parameters.map(p => {
+        {declaration?.parameters.filter(p => p.name !== 'shares' || !colored).map(p => {
           const own = node.params[p.name];
           const items = own ? own.value : defaultText(p);
           if (p.kind === 'texts' && Array.isArray(items) && isPalette(items)) return <PaletteEditor key={`${node.name}.${p.name}`} node={node} declaration={declaration} spec={p} items={items} />;

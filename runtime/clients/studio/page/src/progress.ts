@@ -35,8 +35,8 @@ function leftOf(n: NodeState, now: number): number | undefined {
   const whole = wholeOf(n);
   if (n.state !== 'running') return whole;
   const elapsed = n.since === undefined ? 0 : (now - n.since) / 1000;
-  if (n.progress > 0.05) return (elapsed * (1 - n.progress)) / n.progress;
-  return whole === undefined ? undefined : Math.max(whole - elapsed, 0);
+  if (n.progress > 0.01) return (elapsed * (1 - n.progress)) / n.progress;
+  return whole === undefined ? undefined : whole > elapsed ? whole - elapsed : elapsed; // what takes longer may take as long again
 }
 
 // Of the nodes that the last evaluation runs or ran.
