@@ -35,6 +35,8 @@ struct GraphNode {
   std::map<std::string, SetParameter> parameters;   // only those that are set
   std::map<std::string, std::vector<Wire>> inputs;  // only those that are connected
   std::vector<Place> through;                       // where the enclosing subgraphs are used, innermost first
+  // Path of the node or innermost enclosing subgraph that has `may_fail`; "" if there is none.
+  std::string may_fail;
   bool in_subgraph() const { return path.find('/') != std::string::npos; }
 };
 

@@ -139,6 +139,7 @@ Scope& Linker::open(RawDocument doc, std::string prefix, Scope* parent, const Ra
   scope.doc = std::move(doc);
   scope.parent = parent;
   scope.node = node;
+  if (node) scope.may_fail = node->may_fail ? prefix.substr(0, prefix.size() - 1) : parent->may_fail;
   const auto index = [&scope] {
     scope.nodes.clear();
     for (const auto& raw : scope.doc.nodes) scope.nodes.emplace(raw.name, &raw);
@@ -163,6 +164,7 @@ void Linker::add_node(Scope& scope, const RawNode& raw) {
   node.path = scope.prefix + raw.name;
   node.place = raw.place;
   node.through = uses(scope);
+  node.may_fail = raw.may_fail ? node.path : scope.may_fail;
   if (raw.bypass) bypassed_.insert(node.path);
   node.type = registry_.find(raw.type);
   if (!node.type && (node.type = registry_.find_former(raw.type)))

@@ -32,6 +32,7 @@ struct Scope {
   RawDocument doc;
   Scope* parent = nullptr;
   const RawNode* node = nullptr;                          // in the parent
+  std::string may_fail;                                   // as GraphNode's
   std::unordered_map<std::string, const RawNode*> nodes;  // nodes of the document by name
   std::map<std::string, Given> parameters;
   std::unordered_map<std::string, std::vector<std::string>> lists;  // elements of repeated nodes, in order

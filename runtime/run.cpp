@@ -79,11 +79,9 @@ void Run::visit(int i) {
   } catch (const Cancelled&) {
     result(i).status = Status::Cancelled;
   } catch (const Error& error) {
-    result(i).status = Status::Failed;
-    result(i).error = placed(error, node(i));
+    fail(i, error);
   } catch (const std::exception& error) {  // such as std::bad_alloc: only this node fails
-    result(i).status = Status::Failed;
-    result(i).error = placed(Error("failed", exception_text(error)), node(i));
+    fail(i, Error("failed", exception_text(error)));
   }
   tell([&](Observer& o) { o.finished(i, result(i)); });
   for (const auto& [port, wires] : node(i).inputs)
@@ -97,20 +95,45 @@ void Run::visit(int i) {
     if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
 }
 
-bool Run::evaluate(int i) {
+void Run::fail(int i, const Error& error) {
   NodeResult& r = result(i);
-  if (cancelled(i)) throw Cancelled();
-  std::map<std::string, std::vector<OutputRecord>> inputs;
+  r.status = Status::Failed;
+  r.error = placed(error, node(i));
+  r.tolerated = !node(i).may_fail.empty();
+  if (r.tolerated) r.error->severity = Severity::Warning;
+}
+
+std::optional<Run::Inputs> Run::inputs_of(int i) {
+  Inputs inputs;
+  bool sources_failed = false, all_tolerated = true;
   for (const auto& [port, wires] : node(i).inputs)
     for (const auto& w : wires) {
       const NodeResult& source = result(w.node);
       if (source.status == Status::Cancelled) throw Cancelled();
+      if (is_left_out(graph_, result_, node(i), w)) continue;
       if (source.status == Status::Failed || source.status == Status::Skipped) {
-        r.status = Status::Skipped;
-        return true;
+        sources_failed = true;
+        all_tolerated = all_tolerated && source.tolerated;
+      } else {
+        inputs[port].push_back(source.outputs.at(w.port));
       }
-      inputs[port].push_back(source.outputs.at(w.port));
     }
+  for (const Port& port : node(i).type->inputs)
+    if (!port.optional && !inputs.count(port.name)) sources_failed = true;
+  if (!sources_failed) return inputs;
+  result(i).tolerated = all_tolerated || !node(i).may_fail.empty();
+  return {};
+}
+
+bool Run::evaluate(int i) {
+  NodeResult& r = result(i);
+  if (cancelled(i)) throw Cancelled();
+  const auto found = inputs_of(i);
+  if (!found) {
+    r.status = Status::Skipped;
+    return true;
+  }
+  const Inputs& inputs = *found;
   // If a file changes while the node reads it, the value belongs to no key, so try again.
   for (int attempt = 0; attempt < 3; ++attempt) {
     state(i).files = input_files(node(i), e_.hashes_, options_.memory);

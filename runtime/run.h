@@ -65,6 +65,9 @@ class Run {
 
   // run.cpp: the order of the nodes
   void visit(int i);
+  void fail(int i, const Error&);
+  // The contents of the inputs, without what is left out. None if the node cannot run.
+  std::optional<Inputs> inputs_of(int i);
   // Returns false if the key is being computed elsewhere.
   bool evaluate(int i);
 

@@ -142,7 +142,9 @@ ComputeRequest Run::request(int i, Work work) {
   for (const auto& [port, wires] : node(i).inputs) {
     const bool later = q.type->find_input(port)->one_at_a_time;
     for (const auto& w : wires)
-      if (later)
+      if (is_left_out(graph_, result_, node(i), w))
+        continue;
+      else if (later)
         q.later[port].push_back([this, &w] { return value_of(w, false); });
       else
         q.inputs[port].push_back(value_of(w));

@@ -29,7 +29,7 @@ const char* name_of(Status s) {
 
 bool RunResult::failed() const {
   for (const auto& n : nodes)
-    if (n.status == Status::Failed) return true;
+    if (n.status == Status::Failed && !n.tolerated) return true;
   return false;
 }
 
@@ -81,6 +81,22 @@ std::vector<bool> needed_nodes(const Graph& graph, const std::vector<int>& targe
       for (const auto& [port, wires] : graph.nodes[i].inputs)
         for (const auto& w : wires) needed[w.node] = true;
   return needed;
+}
+
+bool is_left_out(const Graph& graph, const RunResult& run, const GraphNode& reader, const Wire& wire) {
+  const std::string& part = graph.nodes[wire.node].may_fail;
+  return run.nodes[wire.node].tolerated && (part.empty() || !reader.path.starts_with(part + "/"));
+}
+
+std::vector<bool> used_nodes(const Graph& graph, const RunResult& run, int node) {
+  std::vector<bool> used(graph.nodes.size(), false);
+  used[node] = true;
+  for (std::size_t i = node + 1; i-- > 0;)  // consumers come after their sources
+    if (used[i])
+      for (const auto& [port, wires] : graph.nodes[i].inputs)
+        for (const auto& w : wires)
+          if (!is_left_out(graph, run, graph.nodes[i], w)) used[w.node] = true;
+  return used;
 }
 
 Diagnostic placed(const Error& e, const GraphNode& node) {

@@ -34,6 +34,7 @@ struct NodeResult {
   std::vector<FileRecord> files;  // files written
   std::vector<FileRecord> read;   // input files, companions included
   std::optional<Diagnostic> error;
+  bool tolerated = false;          // failed or skipped, which is no failure of the run: GraphNode::may_fail
   std::optional<SavedWork> saved;  // of a canceled node; not a result, so it is not cached
 };
 
@@ -41,7 +42,7 @@ struct RunResult {
   std::vector<NodeResult> nodes;  // as in Graph::nodes
   double seconds = 0;
   std::string trouble;  // a failure outside the nodes, such as in the observer; "" if there was none
-  bool failed() const;
+  bool failed() const;  // whether a node failed that may not
   bool cancelled() const;
 };
 
@@ -51,6 +52,13 @@ std::vector<int> target_nodes(const Graph&, const std::vector<std::string>& targ
 
 // Marks the nodes that the targets need, including the targets.
 std::vector<bool> needed_nodes(const Graph&, const std::vector<int>& targets);
+
+// Whether `reader` runs as if this wire of it was not there, because the source is outside the part of the
+// graph that `reader` belongs to, and may fail, and did.
+bool is_left_out(const Graph&, const RunResult&, const GraphNode& reader, const Wire&);
+
+// Marks the node and those whose results it used.
+std::vector<bool> used_nodes(const Graph&, const RunResult&, int node);
 
 // The diagnostic of a node's error, with the node's path and the place filled in.
 Diagnostic placed(const Error&, const GraphNode&);

@@ -46,9 +46,7 @@ void Run::compute_again(int i) {
   tell([&](Observer& o) { o.started(i); });
   const auto start = std::chrono::steady_clock::now();
   s.files = input_files(node(i), e_.hashes_, options_.memory);
-  Inputs inputs;
-  for (const auto& [port, wires] : node(i).inputs)
-    for (const auto& w : wires) inputs[port].push_back(result(w.node).outputs.at(w.port));
+  const Inputs inputs = inputs_of(i).value();
   const auto changed = [&] {
     return Error(placed(Error("file-changed",
                               "an input file changed during the run, so a lost cached value cannot be "

@@ -267,7 +267,7 @@ class DocumentReader {
                        name),
            node.place);
     each_key(
-        v, {"type", "graph", "bypass", "each", "params", "inputs", "doc"}, "node '" + name + "'",
+        v, {"type", "graph", "bypass", "may_fail", "each", "params", "inputs", "doc"}, "node '" + name + "'",
         [&](const std::string& k, const YAML::Node& kn, const YAML::Node& n) {
           if ((k == "type" || k == "graph") && n.IsScalar()) {
             (k == "type" ? node.type : node.graph) = n.Scalar();
@@ -300,10 +300,11 @@ class DocumentReader {
             });
           } else if (k == "doc" && n.IsScalar()) {
             node.doc = n.Scalar();
-          } else if (k == "bypass" && n.IsScalar() && (n.Scalar() == "true" || n.Scalar() == "false")) {
-            node.bypass = n.Scalar() == "true";
-          } else if (k == "bypass") {
-            fail("bad-value", fmt::format("bypass of '{}' must be true or false", name), place(kn.Mark()));
+          } else if (k == "bypass" || k == "may_fail") {
+            if (!n.IsScalar() || (n.Scalar() != "true" && n.Scalar() != "false"))
+              return fail("bad-value", fmt::format("{} of '{}' must be true or false", k, name),
+                          place(kn.Mark()));
+            (k == "bypass" ? node.bypass : node.may_fail) = n.Scalar() == "true";
           } else if (k != "doc") {
             fail("bad-value", fmt::format("'{}' must be a word", k), place(kn.Mark()));
           }

@@ -26,7 +26,8 @@ struct RawNode {
   std::string type, graph;  // exactly one is set
   std::string doc;
   bool bypass = false;  // what reads an output reads an input of its type instead, and the node does not run
-  Place kind_place;     // of the value of `type:` or `graph:`
+  bool may_fail = false;  // if it fails, the nodes outside it go on without its outputs
+  Place kind_place;       // of the value of `type:` or `graph:`
   // The names and values that the node is repeated for, each a list or a range.
   std::vector<std::pair<std::string, RawValue>> each = {};
   std::vector<std::pair<std::string, RawValue>> params;

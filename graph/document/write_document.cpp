@@ -45,6 +45,7 @@ std::string text_of(const RawNode& node) {
                             : "    graph: " + yaml_word(node.graph) + "\n";
   if (!node.doc.empty()) out += "    doc: " + yaml_word(node.doc) + "\n";
   if (node.bypass) out += "    bypass: true\n";
+  if (node.may_fail) out += "    may_fail: true\n";
   Entries each, inputs, params;
   for (const auto& [name, v] : node.each) each.emplace_back(name, yaml_value(v.written));
   if (!each.empty()) out += map_text("    ", "each", each);
@@ -101,7 +102,7 @@ bool same(const RawNode& a, const RawNode& b) {
     return x.first == y.first && std::ranges::equal(x.second, y.second, wire);
   };
   return a.name == b.name && a.type == b.type && a.graph == b.graph && a.doc == b.doc &&
-         a.bypass == b.bypass && std::ranges::equal(a.each, b.each, param) &&
+         a.bypass == b.bypass && a.may_fail == b.may_fail && std::ranges::equal(a.each, b.each, param) &&
          std::ranges::equal(a.params, b.params, param) && std::ranges::equal(a.inputs, b.inputs, input);
 }
 

@@ -52,15 +52,20 @@ std::string write(const Graph& graph, const std::vector<bool>& which,
     const GraphNode& node = graph.nodes[i];
     out << YAML::Key << node.path << YAML::Value << YAML::BeginMap;
     out << YAML::Key << "type" << YAML::Value << node.type->name;
-    if (!node.inputs.empty()) {
+    if (!node.may_fail.empty()) out << YAML::Key << "may_fail" << YAML::Value << true;
+    std::map<std::string, std::vector<std::string>> inputs;
+    for (const auto& [port, wires] : node.inputs)
+      for (const auto& w : wires)
+        if (wanted(w.node)) inputs[port].push_back(reference(w));
+    if (!inputs.empty()) {
       out << YAML::Key << "inputs" << YAML::Value << YAML::Flow << YAML::BeginMap;
-      for (const auto& [port, wires] : node.inputs) {
+      for (const auto& [port, sources] : inputs) {
         out << YAML::Key << port << YAML::Value;
-        if (wires.size() == 1) {
-          out << reference(wires[0]);
+        if (sources.size() == 1) {
+          out << sources[0];
         } else {
           out << YAML::Flow << YAML::BeginSeq;
-          for (const auto& w : wires) out << reference(w);
+          for (const auto& source : sources) out << source;
           out << YAML::EndSeq;
         }
       }

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 std::string file_provenance(const Graph& graph, int node, const RunResult& result,
                             const RunOptions& options) {
   nlohmann::json all = options.provenance.empty() ? nlohmann::json::object() : parse_json(options.provenance);
-  const auto upstream = needed_nodes(graph, {node});
+  const auto upstream = used_nodes(graph, result, node);
   all["files"] = nlohmann::json::array();
   for (std::size_t k = 0; k < upstream.size(); ++k) {
     if (!upstream[k]) continue;

@@ -64,7 +64,7 @@ json report_json(const Graph& graph, const RunResult& run, int threads, const Ov
                      {"reads", reads}});
   }
   std::vector<bool> needed;
-  for (const auto& r : run.nodes) needed.push_back(r.status != Status::Unneeded);
+  for (const auto& r : run.nodes) needed.push_back(r.status != Status::Unneeded && !r.tolerated);
   json set = json::object();
   for (const auto& [name, value] : overrides.set) set[name] = value;
   for (const auto& [name, value] : overrides.parameters) set[name] = value;
