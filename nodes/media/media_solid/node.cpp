@@ -61,28 +61,49 @@ media::FoundPhases of_image(Context& c, const Image& image, const Labels* mask) 
   return media::find_phases(image, unobserved, {}, c.work().quiet());
 }
 
+// Of each phase in the picture, black if it shows none of it.
+std::vector<Vec3f> mean_colors(const Image& image, const PhaseMap& map) {
+  if (image.width != map.width || image.height != map.height)
+    throw Error("size-mismatch",
+                fmt::format("image 1 has {} × {} pixels, its labels {} × {}", image.width, image.height,
+                            map.width, map.height),
+                "connect the image that the phases are from, or labels alone");
+  std::vector<Vec3> sum(map.phases, Vec3::Zero());
+  std::vector<double> count(map.phases, 0);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x)
+      if (const auto p = map.at[map.index(x, y)]; p != media::kUnobserved) {
+        sum[p] += image.at(x, y).cast<double>();
+        ++count[p];
+      }
+  std::vector<Vec3f> out;
+  for (int p = 0; p < map.phases; ++p) out.push_back((sum[p] / std::max(count[p], 1.0)).cast<float>());
+  return out;
+}
+
 Pictures pictures_of(Context& c) {
   const auto& images = c.list("image");
   const auto& labels = c.list("labels");
-  if (images.empty() == labels.empty())
-    throw Error(images.empty() ? "missing-input" : "both-given",
-                images.empty() ? "there is no picture" : "there are images and labels",
-                "connect one to three images, or one to three labels of phases");
   const auto& masks = c.list("masks");
-  const std::size_t count = images.size() + labels.size();
-  if (count > 3 || masks.size() > count)
-    throw Error("too-many-inputs", fmt::format("{} pictures and {} masks", count, masks.size()),
-                "connect at most three pictures, and at most one mask for each");
+  const std::size_t count = labels.empty() ? images.size() : labels.size();
+  if (count == 0)
+    throw Error("missing-input", "there is no picture",
+                "connect one to three images, or one to three labels of phases");
+  if (count > 3 || masks.size() > count || (!images.empty() && images.size() != count))
+    throw Error("too-many-inputs",
+                fmt::format("{} images, {} labels and {} masks", images.size(), labels.size(), masks.size()),
+                "connect at most three pictures, at most one mask for each, and as many images as labels");
   Pictures out;
   for (std::size_t k = 0; k < count; ++k) {
     const Labels* mask = k < masks.size() ? &masks[k].as<Labels>() : nullptr;
-    if (!labels.empty()) {
-      out.maps.push_back(of_labels(c, labels[k].as<Labels>(), mask, k + 1));
+    if (labels.empty()) {
+      auto found = of_image(c, images[k].as<Image>(), mask);
+      if (k == 0) out.color = std::move(found.color);
+      out.maps.push_back(std::move(found.map));
       continue;
     }
-    const auto found = of_image(c, images[k].as<Image>(), mask);
-    if (k == 0) out.color = found.color;
-    out.maps.push_back(found.map);
+    out.maps.push_back(of_labels(c, labels[k].as<Labels>(), mask, k + 1));
+    if (k == 0 && !images.empty()) out.color = mean_colors(images[0].as<Image>(), out.maps[0]);
   }
   return out;
 }
@@ -220,8 +241,10 @@ NodeType media_solid_node() {
               "One to three micrographs, whose phases are found as Phases finds them. One is for all planes, "
               "two are for slices across x and y and across z, three for x, y and z. On x and y a picture's "
               "columns run along y and x and its rows upwards along z; on z they run along x and y.")
-          .input_list("labels", {"Labels"},
-                      "The same as phases: binder is phase 0, profiles of class k are phase k + 1")
+          .input_list(
+              "labels", {"Labels"},
+              "The same as phases: binder is phase 0, profiles of class k are phase k + 1. Images beside "
+              "them only give the colors.")
           .input_list("masks", {"Labels"},
                       "Pixels to ignore, where labels are not 0, one mask for each picture")
           .output("volume", "Volume",

@@ -246,6 +246,27 @@ TEST(MediaSolid, EqualForAnyNumberOfThreads) {
   EXPECT_EQ(found[0], found[2]);
 }
 
+TEST(MediaSolid, AnImageBesideLabelsGivesTheColors) {
+  const PhaseMap map = discs(48, 5, 12, 2, 1);
+  Image image(48, 48, 1, 1);
+  for (int y = 0; y < 48; ++y)
+    for (int x = 0; x < 48; ++x)
+      image.at(x, y) = map.at[map.index(x, y)] == 0 ? Vec3f(0.1f, 0.2f, 0.3f) : Vec3f(0.8f, 0.4f, 0.2f);
+  const auto run = test::run_node(
+      "MediaSolid", {{"labels", Value::of(labels_of(map))}, {"image", Value::of(image)}}, {{"size", "16"}});
+  const Volume& volume = run.output<Volume>("volume");
+  const auto phase = volume.find<openvdb::Int32Grid>("phase");
+  const auto color = volume.find<openvdb::Vec3SGrid>("Cd");
+  ASSERT_TRUE(color);
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 16; ++y) {
+      const bool dark = phase->tree().getValue({x, y, 0}) == 0;
+      const auto c = color->tree().getValue({x, y, 0});
+      EXPECT_NEAR(c.x(), dark ? 0.1 : 0.8, 2e-3);
+      EXPECT_NEAR(c.z(), dark ? 0.3 : 0.2, 2e-3);
+    }
+}
+
 TEST(MediaSolid, BadPicturesAreErrors) {
   const auto code = [](const std::multimap<std::string, Value>& inputs) {
     return test::code_of([&] { test::run_node("MediaSolid", inputs, {{"size", "16"}}); });
@@ -253,7 +274,10 @@ TEST(MediaSolid, BadPicturesAreErrors) {
   const auto labels = [](const PhaseMap& map) { return Value::of(labels_of(map)); };
   const PhaseMap good = discs(48, 5, 12, 2, 1);
   EXPECT_EQ(code({}), "missing-input");
-  EXPECT_EQ(code({{"labels", labels(good)}, {"image", Value::of(Image(48, 48, 1, 1))}}), "both-given");
+  EXPECT_EQ(code({{"labels", labels(good)}, {"image", Value::of(Image(48, 40, 1, 1))}}), "size-mismatch");
+  EXPECT_EQ(
+      code({{"labels", labels(good)}, {"labels", labels(good)}, {"image", Value::of(Image(48, 48, 1, 1))}}),
+      "too-many-inputs");
   EXPECT_EQ(code({{"labels", labels(discs(24, 4, 9, 2, 1))}}), "exemplar-too-small");
   EXPECT_EQ(code({{"labels", labels(PhaseMap{40, 40, 2, 1, std::vector<std::uint8_t>(1600, 1)})}}),
             "one-phase");
