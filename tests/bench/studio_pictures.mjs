@@ -88,7 +88,7 @@ export async function takePictures(repository) {
       return files;
     }, picture);
     for (const type of ['dragover', 'drop']) await page.dispatchEvent('.start', type, { dataTransfer: files });
-    await page.waitForSelector('.new img');
+    await page.waitForSelector('.new >> text=Recommended:');
     await shoot('start');
     await page.click('text=Create the material');
     await until(s => s.document.file.endsWith('stones.yaml'));
