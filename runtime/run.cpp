@@ -67,6 +67,7 @@ RunResult Run::run() {
       result_.nodes[i].status = Status::Computed;
       result_.nodes[i].seconds = states_[i].seconds_again;
     }
+  if (std::ranges::all_of(targets, [&](int t) { return result(t).tolerated; })) require_all();
   result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return std::move(result_);
 }
@@ -95,6 +96,13 @@ void Run::visit(int i) {
     if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
 }
 
+void Run::require_all() {
+  for (NodeResult& r : result_.nodes) {
+    r.tolerated = false;
+    if (r.error) r.error->severity = Severity::Error;
+  }
+}
+
 void Run::fail(int i, const Error& error) {
   NodeResult& r = result(i);
   r.status = Status::Failed;
@@ -105,13 +113,14 @@ void Run::fail(int i, const Error& error) {
 
 std::optional<Run::Inputs> Run::inputs_of(int i) {
   Inputs inputs;
-  bool sources_failed = false, all_tolerated = true;
+  bool left_out = false, sources_failed = false, all_tolerated = true;
   for (const auto& [port, wires] : node(i).inputs)
     for (const auto& w : wires) {
       const NodeResult& source = result(w.node);
       if (source.status == Status::Cancelled) throw Cancelled();
-      if (is_left_out(graph_, result_, node(i), w)) continue;
-      if (source.status == Status::Failed || source.status == Status::Skipped) {
+      if (is_left_out(graph_, result_, node(i), w)) {
+        left_out = true;
+      } else if (source.status == Status::Failed || source.status == Status::Skipped) {
         sources_failed = true;
         all_tolerated = all_tolerated && source.tolerated;
       } else {
@@ -120,6 +129,7 @@ std::optional<Run::Inputs> Run::inputs_of(int i) {
     }
   for (const Port& port : node(i).type->inputs)
     if (!port.optional && !inputs.count(port.name)) sources_failed = true;
+  if (left_out && inputs.empty()) sources_failed = true;
   if (!sources_failed) return inputs;
   result(i).tolerated = all_tolerated || !node(i).may_fail.empty();
   return {};

@@ -18,6 +18,8 @@ Value Run::fetch(Evaluator& e, const Graph& graph, const RunResult& result, cons
 Value Run::value_of(const Wire& w, bool keep) {
   State& s = state(w.node);
   const NodeResult& r = result(w.node);
+  if (!r.outputs.count(w.port))
+    throw Error("no-value", "'" + node(w.node).path + "' has no result, because it failed or was skipped");
   const OutputRecord& wanted = r.outputs.at(w.port);
   {
     const std::lock_guard lock(s.mutex);

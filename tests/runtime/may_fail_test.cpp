@@ -5,6 +5,7 @@
 #include "graph/document/write_document.h"
 #include "graph/document/write_graph.h"
 #include "tests/runtime/cached_run_fixture.h"
+#include "tests/support/code_of.h"
 
 namespace terrazzo {
 namespace {
@@ -68,6 +69,17 @@ TEST_F(MayFail, OtherFailuresStillFailTheRun) {
   const RunResult r = run(g);
   EXPECT_TRUE(r.failed());
   EXPECT_EQ(paths(g, r, Status::Skipped), Paths{"sum"});
+}
+
+TEST_F(MayFail, ARunWithoutAnyResultFails) {
+  const Graph g = graph_of(
+      "nodes:\n  bad: {type: Fail, may_fail: true, params: {level: 7}}\n"
+      "  sum: {type: Sum, inputs: {in: [bad.out, bad.out]}}\n");
+  const RunResult r = run(g);
+  EXPECT_EQ(paths(g, r, Status::Skipped), Paths{"sum"});  // with no other input
+  EXPECT_TRUE(r.failed());
+  EXPECT_EQ(r.nodes[0].error->severity, Severity::Error);
+  EXPECT_EQ(test::code_of([&] { number(g, "sum.out"); }), "no-value");
 }
 
 TEST_F(MayFail, ASubgraphFailsAsAWhole) {
