@@ -89,6 +89,7 @@ export async function takePictures(repository) {
     }, picture);
     for (const type of ['dragover', 'drop']) await page.dispatchEvent('.start', type, { dataTransfer: files });
     await page.waitForSelector('.new >> text=Recommended:');
+    await page.click('text=particles, such as stones');
     await shoot('start');
     await page.click('text=Create the material');
     await until(s => s.document.file.endsWith('stones.yaml'));

@@ -26,12 +26,13 @@ export function Search({ at, close, place }: Props) {
     const q = text.toLowerCase();
     const fits = (t: NodeType) => (!at.from || t.inputs.some(p => accepts(p.types, at.from!.types[0]))) && (!at.to || t.outputs.some(p => accepts(at.to!.types, p.types[0])));
     const all = [...types.values()].filter(fits);
-    const score = (t: { type: string; doc: string }) => {
-      const n = t.type.toLowerCase();
-      return n.startsWith(q) ? 0 : n.includes(q) ? 1 : t.doc.toLowerCase().includes(q) ? 2 : 3;
+    // Formats and methods are in the source and in what parameters say: "gltf" finds Export.
+    const score = (t: NodeType) => {
+      const n = t.type.toLowerCase(), also = () => [t.source, ...t.parameters.map(p => p.doc)].join(' ').toLowerCase();
+      return n.startsWith(q) ? 0 : n.includes(q) ? 1 : t.doc.toLowerCase().includes(q) ? 2 : also().includes(q) ? 3 : 4;
     };
     if (!q) return all; // by district, as the server lists them
-    return all.filter(t => score(t) < 3).sort((a, b) => score(a) - score(b) || a.type.localeCompare(b.type)).slice(0, 60);
+    return all.filter(t => score(t) < 4).sort((a, b) => score(a) - score(b) || a.type.localeCompare(b.type)).slice(0, 60);
   }, [text, types, at.from, at.to]);
 
   const add = (type: string) => {

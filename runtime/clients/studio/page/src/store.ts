@@ -71,7 +71,7 @@ async function send(path: string, body: BodyInit, type: string, again?: () => vo
 }
 
 const opened = (done: boolean) => {
-  if (done) set({ starting: false, picture: null, start: { ...useStore.getState().start!, welcome: false } });
+  if (done) set({ starting: false, savingAs: false, picture: null, start: { ...useStore.getState().start!, welcome: false } });
 };
 export const openMaterial = async (material: string, discard = false): Promise<void> =>
   opened(await post('/api/open', { material, discard }, () => void openMaterial(material, true)));
@@ -79,7 +79,7 @@ export const openGraph = async (graph: string, discard = false): Promise<void> =
   opened(await post('/api/open', { graph, discard }, () => void openGraph(graph, true)));
 // Shows the start page, with the graphs that are there now.
 export async function showStart(): Promise<void> {
-  useStore.setState({ starting: true, picture: null });
+  useStore.setState({ starting: true, savingAs: false, picture: null });
   const answer = await fetch('/api/start').catch(() => null);
   if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
 }
