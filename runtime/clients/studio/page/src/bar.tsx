@@ -33,9 +33,8 @@ export function Bar() {
         <button disabled={!doc} onClick={() => useStore.setState({ savingAs: true })} title="Save under another name">Save as…</button>
       </div>
       {run.running && <div className="share" aria-hidden="true"><i style={{ width: `${100 * Math.min(progress.share, 0.99)}%` }} /></div>}
-      <div className="space" />
-      <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status">{status}</span>
-      {run.running && <button onClick={() => void post('/api/cancel')}>Cancel</button>}
+      <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status" title={status}>{status}</span>
+      <button className={run.running ? '' : 'away'} onClick={() => void post('/api/cancel')}>Cancel</button>
       <label className="check" title="Evaluate after every change">
         <input type="checkbox" checked={run.live} onChange={e => void post('/api/live', { live: e.target.checked })} />Live
       </label>

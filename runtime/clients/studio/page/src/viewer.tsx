@@ -49,6 +49,7 @@ export function Viewer() {
   const pinned = useStore(s => s.pinned), port = useStore(s => s.port), wide = useStore(s => s.wide);
   const selected = useStore(s => (seesNothing(s) ? null : s.selected));
   const auto = useStore(s => (s.pinned || (s.selected && !seesNothing(s)) ? null : followed(s)), (a, b) => a?.node === b?.node && a?.port === b?.port);
+  const follows = useStore(s => !s.selected); // otherwise a picture that a person works on would change its size
   const gallery = useStore(s => (auto && s.run.running && auto.node !== mainNode(s) ? galleryPicture(s.doc, s.start) : null));
   const dropper = useStore(s => s.dropper), sources = useStore(s => (s.dropper ? imagesOf(s) : none), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   const [source, setSource] = useState<Target | null>(null);
@@ -96,7 +97,7 @@ export function Viewer() {
       <div className={`stage${old ? ' stale' : ''}`}>
         {gallery ? <Gallery picture={gallery} /> : <Stage node={node} value={value} kind={outputs.find(p => p.name === shown)?.types[0]} extra={extra} />}
         {node?.type === 'Section' && !node.name.includes('/') && !extra && <PlaneBar key={node.name} node={node} />}
-        <Waiting />
+        {follows && <Waiting />}
       </div>
     </section>
   );
