@@ -67,7 +67,7 @@ RunResult Run::run() {
       result_.nodes[i].status = Status::Computed;
       result_.nodes[i].seconds = states_[i].seconds_again;
     }
-  if (std::ranges::all_of(targets, [&](int t) { return result(t).tolerated; })) require_all();
+  result_.without_result = std::ranges::all_of(targets, [&](int t) { return result(t).tolerated; });
   result_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return std::move(result_);
 }
@@ -94,13 +94,6 @@ void Run::visit(int i) {
   mark_.before();
   for (const int c : state(i).consumers)
     if (--state(c).waiting == 0) group_.run([this, c] { visit(c); });
-}
-
-void Run::require_all() {
-  for (NodeResult& r : result_.nodes) {
-    r.tolerated = false;
-    if (r.error) r.error->severity = Severity::Error;
-  }
 }
 
 void Run::fail(int i, const Error& error) {

@@ -66,8 +66,6 @@ class Run {
   // run.cpp: the order of the nodes
   void visit(int i);
   void fail(int i, const Error&);
-  // Tolerates no failure, since nothing that was asked for has a result.
-  void require_all();
   // The contents of the inputs, without what is left out. None if the node cannot run.
   std::optional<Inputs> inputs_of(int i);
   // Returns false if the key is being computed elsewhere.

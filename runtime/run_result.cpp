@@ -27,10 +27,14 @@ const char* name_of(Status s) {
   return "?";
 }
 
-bool RunResult::failed() const {
+Diagnostics RunResult::errors() const {
+  Diagnostics out;
   for (const auto& n : nodes)
-    if (n.status == Status::Failed && !n.tolerated) return true;
-  return false;
+    if (n.error && (without_result || !n.tolerated)) {
+      out.push_back(*n.error);
+      out.back().severity = Severity::Error;
+    }
+  return out;
 }
 
 bool RunResult::cancelled() const {

@@ -41,8 +41,10 @@ struct NodeResult {
 struct RunResult {
   std::vector<NodeResult> nodes;  // as in Graph::nodes
   double seconds = 0;
-  std::string trouble;  // a failure outside the nodes, such as in the observer; "" if there was none
-  bool failed() const;  // whether a node failed that may not
+  std::string trouble;          // a failure outside the nodes, such as in the observer; "" if there was none
+  bool without_result = false;  // nothing that was asked for has a result, so that no failure is tolerated
+  bool failed() const { return !errors().empty(); }
+  Diagnostics errors() const;  // of the nodes whose failure is one of the run
   bool cancelled() const;
 };
 

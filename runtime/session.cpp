@@ -196,8 +196,7 @@ Value Session::value(const std::string& output) {
   const Wire wire = graph_->wire_to(output);
   const auto e = evaluate({output});
   const RunResult& r = e->wait();
-  for (const auto& node : r.nodes)
-    if (node.error) throw Error(*node.error);
+  if (const auto errors = r.errors(); !errors.empty()) throw Error(errors[0]);
   if (r.cancelled()) throw Cancelled();
   return evaluator_.value(e->graph(), r, wire);
 }

@@ -52,7 +52,7 @@ std::string write(const Graph& graph, const std::vector<bool>& which,
     const GraphNode& node = graph.nodes[i];
     out << YAML::Key << node.path << YAML::Value << YAML::BeginMap;
     out << YAML::Key << "type" << YAML::Value << node.type->name;
-    if (!node.may_fail.empty()) out << YAML::Key << "may_fail" << YAML::Value << true;
+    if (which.empty() && !node.may_fail.empty()) out << YAML::Key << "may_fail" << YAML::Value << true;
     std::map<std::string, std::vector<std::string>> inputs;
     for (const auto& [port, wires] : node.inputs)
       for (const auto& w : wires)

@@ -78,11 +78,12 @@ TEST_F(MayFail, ARunWithoutAnyResultFails) {
   const RunResult r = run(g);
   EXPECT_EQ(paths(g, r, Status::Skipped), Paths{"sum"});  // with no other input
   EXPECT_TRUE(r.failed());
-  EXPECT_EQ(r.nodes[0].error->severity, Severity::Error);
+  ASSERT_EQ(r.errors().size(), 1u);
+  EXPECT_EQ(r.errors()[0].severity, Severity::Error);
   EXPECT_EQ(test::code_of([&] { number(g, "sum.out"); }), "no-value");
 }
 
-TEST_F(MayFail, ASubgraphFailsAsAWhole) {
+TEST_F(MayFail, NothingInASubgraphGoesOnWithoutAFailedNode) {
   std::ofstream(folder / "inner.yaml") << "terrazzo: 1\n" + kGood +
                                               "  bad: {type: Fail, params: {level: 7}}\n"
                                               "  sum: {type: Sum, inputs: {in: [good.out, bad.out]}}\n"

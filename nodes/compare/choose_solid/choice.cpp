@@ -43,13 +43,16 @@ Choice choose(const std::vector<Route>& routes) {
   std::vector<std::size_t> reached;
   for (std::size_t k = 0; k < routes.size(); ++k)
     if (routes[k].reached) reached.push_back(k);
-  if (reached.empty()) throw missing("no way from the photograph to a solid succeeded");
+  if (reached.empty()) throw missing("no route from the photograph to a solid succeeded");
   if (routes[reached[0]].name == "phases")
     return {reached[0], "The photograph shows phases rather than particles."};
-  if (reached.size() == 1) return {reached[0], "The other ways gave no solid."};
+  if (reached.size() == 1) return {reached[0], "The other routes gave no solid."};
   std::size_t best = reached[0];
   for (const std::size_t k : reached)
     if (is_closer(routes[k], routes[best])) best = k;
+  if (std::any_of(reached.begin(), reached.end(), [&](std::size_t k) { return !routes[k].accuracy; }))
+    return {best, fmt::format("The pictures were not compared, and {} keep more of the material.",
+                              routes[best].name)};
   const Route& other = routes[best == reached[0] ? reached[1] : reached[0]];
   return {best, best == reached[0]
                     ? fmt::format("No other solid looks more like the photograph than that of {}; {}.",
@@ -61,7 +64,7 @@ Choice choose(const std::vector<Route>& routes) {
 Choice take(const std::vector<Route>& routes, const std::string& name) {
   const auto at = std::find_if(routes.begin(), routes.end(), [&](const Route& r) { return r.name == name; });
   if (!at->reached) throw missing(fmt::format("route is '{}', which gave no solid", name)).parameter("route");
-  return {static_cast<std::size_t>(at - routes.begin()), "It was asked for."};
+  return {static_cast<std::size_t>(at - routes.begin()), "The parameter route asks for it."};
 }
 
 }  // namespace terrazzo::choose_solid

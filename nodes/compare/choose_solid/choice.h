@@ -9,7 +9,7 @@
 
 namespace terrazzo::choose_solid {
 
-// A way from the photograph to a solid.
+// From the photograph to a solid.
 struct Route {
   std::string name;
   bool reached = false;                   // there is a solid

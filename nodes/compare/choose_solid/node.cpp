@@ -11,14 +11,15 @@ namespace {
 
 const std::vector<std::string> kRoutes{"phases", "particles", "exemplar"};
 
-// What there is of a solid: all of it, or nothing.
-Route route_of(const Context& c, const std::string& name) {
-  Route out{name, c.has(name), {}, {}};
-  for (const char* part : {"_block", "_volume"})
-    if (c.has(name + part) != out.reached)
-      throw Error("missing-input",
-                  fmt::format("{0} needs the picture '{0}', '{0}_block' and '{0}_volume'", name),
-                  "connect all three or none");
+// A solid counts if all three of its inputs are there.
+Route route_of(Context& c, const std::string& name) {
+  const int parts = c.has(name) + c.has(name + "_block") + c.has(name + "_volume");
+  Route out{name, parts == 3, {}, {}};
+  if (parts == 1 || parts == 2)
+    c.warn(
+        fmt::format("there is only a part of the solid of {0}, which needs the inputs '{0}', '{0}_block' and "
+                    "'{0}_volume'",
+                    name));
   if (const Table* observers = c.optional<Table>(name + "_observers"); observers && out.reached)
     read_observers(*observers, out);
   return out;
@@ -60,7 +61,7 @@ NodeType choose_solid_node() {
   NodeType type("ChooseSolid", 1);
   type.doc_(
       "Keeps one of several solids made from the same photograph: of phases, of particles, or a texture like "
-      "the photograph. Ways that failed count as not connected.");
+      "the photograph. Routes that failed count as not connected.");
   for (const auto& name : kRoutes)
     type.optional_input(name, {"Image"}, "Picture of the solid of " + name + ", as the photograph shows it")
         .optional_input(name + "_block", {"Image"}, "Picture of a block of it")

@@ -89,10 +89,12 @@ Pictures pictures_of(Context& c) {
   if (count == 0)
     throw Error("missing-input", "there is no picture",
                 "connect one to three images, or one to three labels of phases");
-  if (count > 3 || masks.size() > count || (!images.empty() && images.size() != count))
-    throw Error("too-many-inputs",
-                fmt::format("{} images, {} labels and {} masks", images.size(), labels.size(), masks.size()),
-                "connect at most three pictures, at most one mask for each, and as many images as labels");
+  if (count > 3 || masks.size() > count || (!labels.empty() && images.size() > 1))
+    throw Error(
+        "too-many-inputs",
+        fmt::format("{} images, {} labels and {} masks", images.size(), labels.size(), masks.size()),
+        "connect at most three pictures, and at most one mask for each; beside labels, only the image of "
+        "the first");
   Pictures out;
   for (std::size_t k = 0; k < count; ++k) {
     const Labels* mask = k < masks.size() ? &masks[k].as<Labels>() : nullptr;
@@ -243,8 +245,8 @@ NodeType media_solid_node() {
               "columns run along y and x and its rows upwards along z; on z they run along x and y.")
           .input_list(
               "labels", {"Labels"},
-              "The same as phases: binder is phase 0, profiles of class k are phase k + 1. Images beside "
-              "them only give the colors.")
+              "The same as phases: binder is phase 0, profiles of class k are phase k + 1. An image beside "
+              "them, that of the first, only gives the colors.")
           .input_list("masks", {"Labels"},
                       "Pixels to ignore, where labels are not 0, one mask for each picture")
           .output("volume", "Volume",

@@ -5,7 +5,6 @@
 #include "nodes/data/table.h"
 #include "nodes/media/micrograph/find_phases.h"
 #include "nodes/media/micrograph/learn_phases.h"
-#include "nodes/media/micrograph/recommend.h"
 #include "nodes/media/micrograph/unobserved.h"
 #include "runtime/context.h"
 #include "runtime/memory.h"
@@ -60,14 +59,6 @@ void warn_of(Context& c, const FoundPhases& found, const std::vector<double>& fr
                        100 * found.uncertain));
 }
 
-void require_phases(const Image& image, const Work& work) {
-  const Recommendation better = recommend(image, work);
-  if (!better.phases)
-    throw Error("shows-particles", better.why + " It is better taken for particles",
-                "use Segment, or set refuse_particles to false")
-        .parameter("refuse_particles");
-}
-
 // Of the pixels that are not ignored: by strokes if there are any, else by gray levels.
 FoundPhases find(Context& c, const Image& image, const std::vector<std::uint8_t>& unobserved) {
   const auto& strokes = c.list("strokes");
@@ -91,14 +82,13 @@ void compute(Context& c) {
   const Image& image = c.input<Image>("image");
   if (image.sections > 1)
     c.warn(fmt::format("the image has {} sections; only the first is used", image.sections));
-  if (c.boolean("refuse_particles")) require_phases(image, c.work().part(0, 0.1));
   const bool by_level = c.list("strokes").empty();
   require_memory(by_level ? phases_forecast(image) : learn_forecast(image), c.memory(),
                  "the phases of the picture");
   const auto unobserved = unobserved_pixels(
       image, c.optional<Labels>("mask"), c.boolean("find_objects"),
       [&](const std::string& text) { c.warn(text + "; if they show material, set find_objects to false"); },
-      c.work().part(0.1, 0.2));
+      c.work().part(0, 0.2));
   const FoundPhases found = find(c, image, unobserved);
   const auto fractions = fractions_of(found.map);
   warn_of(c, found, fractions, by_level);
@@ -156,8 +146,6 @@ NodeType phases_node() {
           .parameter(Parameter::boolean("find_objects", true)
                          .doc_("Whether captions, scale bars and rulers are found and ignored; warnings name "
                                "their places"))
-          .parameter(Parameter::boolean("refuse_particles", false)
-                         .doc_("Whether a picture that is better taken for particles is an error"))
           .parameter(Parameter::seed())
           .compute_(compute);
   for (Port& p : type.inputs) p.optional = p.optional || p.name == "strokes";

@@ -103,6 +103,7 @@ int run(const Program& program, RunCommand& o) {
   const auto evaluation = session.evaluate(o.targets, &line);
   const RunResult& result = evaluation->wait();
   line.close();
+  if (result.without_result) print(result.errors());  // so far they were warnings
   if (!result.trouble.empty()) std::cerr << "warning: " << result.trouble << '\n';
   if (!o.quiet) {
     print_table(std::cout, graph, result);

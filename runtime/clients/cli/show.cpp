@@ -49,6 +49,7 @@ int show(const Program& program, const ShowOptions& o) {
   const auto evaluation = session.evaluate({o.target}, &line);
   const RunResult& result = evaluation->wait();
   line.close();
+  if (result.without_result) print(result.errors());  // so far they were warnings
   if (!result.trouble.empty()) std::cerr << "warning: " << result.trouble << '\n';
   finish(session, o);
   if (result.cancelled()) return kInterrupted;

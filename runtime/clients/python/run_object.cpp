@@ -170,9 +170,7 @@ const RunResult& RunObject::result() {
 }
 
 void RunObject::raise_errors() {
-  Diagnostics found;
-  for (const auto& n : result().nodes)
-    if (n.error && !n.tolerated) found.push_back(*n.error);
+  const Diagnostics found = result().errors();
   for (const auto& d : found)
     if (cause_.is_none() && d.code == "python") cause_ = take_exception(d.hint);
   if (!found.empty()) raise(found, cause_);

@@ -74,8 +74,7 @@ void write_picture(const Program& program, Graph graph, Wire wire, const fs::pat
   options.cancel = session_options_of.cancel;
   const RunResult r = session.evaluator().run(graph, options);
   if (r.cancelled()) throw Cancelled();
-  for (const auto& n : r.nodes)
-    if (n.error) throw Error(*n.error);
+  if (const auto errors = r.errors(); !errors.empty()) throw Error(errors[0]);
 }
 
 }  // namespace

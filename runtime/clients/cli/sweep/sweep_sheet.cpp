@@ -55,8 +55,7 @@ void write_sweep_sheet(const Program& program, Session& session, const GraphOpti
   options.memory = o.memory;
   options.cancel = cancel_on_interrupt();
   const RunResult r = session.evaluator().run(graph, options);
-  for (const auto& n : r.nodes)
-    if (n.error) std::cerr << n.error->text() << '\n';
+  print(r.errors());
   if (!r.failed() && !r.cancelled())
     std::cout << "wrote " << (fs::path(o.out) / "sweep.png").string() << '\n';
 }

@@ -75,8 +75,10 @@ TEST(ChooseSolid, ErrorsSayWhatIsMissing) {
   EXPECT_EQ(code("auto"), "no-solid");
   add_solid(inputs, "exemplar", 0.25f);
   EXPECT_EQ(code("phases"), "no-solid");
-  inputs.emplace("phases", Value::of(Image(4, 4, 1, 0.1)));
-  EXPECT_EQ(code("auto"), "missing-input");
+  inputs.emplace("phases", Value::of(Image(4, 4, 1, 0.1)));  // a part of a solid is none
+  EXPECT_EQ(code("phases"), "no-solid");
+  EXPECT_EQ(kept(inputs), 0.25f);
+  EXPECT_EQ(test::run_node("ChooseSolid", inputs).warnings.size(), 1u);
 }
 
 }  // namespace

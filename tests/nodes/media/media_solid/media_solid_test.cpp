@@ -275,9 +275,10 @@ TEST(MediaSolid, BadPicturesAreErrors) {
   const PhaseMap good = discs(48, 5, 12, 2, 1);
   EXPECT_EQ(code({}), "missing-input");
   EXPECT_EQ(code({{"labels", labels(good)}, {"image", Value::of(Image(48, 40, 1, 1))}}), "size-mismatch");
-  EXPECT_EQ(
-      code({{"labels", labels(good)}, {"labels", labels(good)}, {"image", Value::of(Image(48, 48, 1, 1))}}),
-      "too-many-inputs");
+  EXPECT_EQ(code({{"labels", labels(good)},
+                  {"image", Value::of(Image(48, 48, 1, 1))},
+                  {"image", Value::of(Image(48, 48, 1, 1))}}),
+            "too-many-inputs");
   EXPECT_EQ(code({{"labels", labels(discs(24, 4, 9, 2, 1))}}), "exemplar-too-small");
   EXPECT_EQ(code({{"labels", labels(PhaseMap{40, 40, 2, 1, std::vector<std::uint8_t>(1600, 1)})}}),
             "one-phase");

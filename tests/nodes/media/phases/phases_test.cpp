@@ -141,21 +141,6 @@ TEST(Phases, BadPicturesAreErrors) {
             "empty-image");
 }
 
-TEST(Phases, PicturesOfParticlesAreRefusedOnRequest) {
-  Image discs(kSide, kSide, 1, 0.1);
-  for (int y = 0; y < kSide; ++y)
-    for (int x = 0; x < kSide; ++x)
-      discs.at(x, y) = Vec3f::Constant(std::hypot(x % 32 - 16, y % 32 - 16) < 11 ? 0.8f : 0.1f);
-  const auto code = [](const Image& image, const char* refuse) {
-    return test::code_of([&] {
-      test::run_node("Phases", {{"image", Value::of(image)}}, {{"refuse_particles", refuse}});
-    });
-  };
-  EXPECT_EQ(code(discs, "true"), "shows-particles");
-  EXPECT_EQ(code(discs, "false"), "");
-  EXPECT_EQ(code(picture(2, 0, 0), "true"), "");
-}
-
 TEST(Phases, StructureHasADirectionAndASize) {
   PhaseMap stripes{60, 60, 2, 1, {}}, checks{60, 60, 2, 1, {}};
   for (int y = 0; y < 60; ++y)

@@ -136,11 +136,14 @@ class Text {
   }
   template <class Is>
   void wires(Is&& is) {
-    for (const auto& n : doc.nodes)
+    std::size_t gone = 0;
+    for (const auto& n : doc.nodes) {
       for (const auto& [port, list] : n.inputs)
         if (std::ranges::any_of(list, [&](const auto& w) { return is(w.text); }))
-          entry({"nodes", n.name, "inputs", port}, nullptr);
-    std::size_t gone = 0;
+          entry({"nodes", n.name, "inputs", port}, nullptr), ++gone;
+      if (gone > 0 && gone == n.inputs.size()) entry({"nodes", n.name, "inputs"}, nullptr);
+      gone = 0;
+    }
     for (const auto& [port, w] : doc.outputs)
       if (is(w.text)) entry({"outputs", port}, nullptr), ++gone;
     if (gone > 0 && gone == doc.outputs.size()) entry({"outputs"}, nullptr);
