@@ -9,6 +9,7 @@
 #include "nodes/data/image.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/labels.h"
+#include "runtime/work.h"
 
 namespace terrazzo::load_labels {
 
@@ -43,7 +44,7 @@ Labels labels_from_classes(const std::vector<RawMask>&, double pixel_size);
 // belong to, which a file that does not know its own needs. `pixel_size`: 0 for that of the file, else 1.
 // Throws Error "missing-input", "size-mismatch", and those of read_outline_file and raster_of.
 Labels labels_from_outlines(const std::vector<std::filesystem::path>&, const Image* picture,
-                            double pixel_size, const Reading& = {});
+                            double pixel_size, const Reading& = {}, const Work& = {});
 
 // Sets the class of each profile: the most frequent value at its pixels, without background, less 1. Throws
 // Error "size-mismatch", and "bad-labels" if a profile lies on the background or a class is above 1,000,000.

@@ -30,7 +30,8 @@ Labels labels_of_outlines(Context& c, double pixel_size) {
   if (c.choice<MaskKind>("kind") == MaskKind::Classes)
     throw Error("bad-value", "outlines are instances, which have their classes in the file", "leave out kind")
         .parameter("kind");
-  return labels_from_outlines(c.files("path"), c.optional<Image>("image"), pixel_size, reading_of(c));
+  return labels_from_outlines(c.files("path"), c.optional<Image>("image"), pixel_size, reading_of(c),
+                              c.work());
 }
 
 // Masks, or files of outlines: the first one tells which.

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
-#include "graph/input_file.h"
 #include "graph/node_type.h"
 #include "nodes/common/io/json_input.h"
 #include "nodes/common/io/text_input.h"
@@ -30,24 +30,16 @@ std::string text_of(const std::filesystem::path& file, Context& c) {
   }
 }
 
-// The profiles of one file of outlines.
-Profiles outlined_profiles(Context& c, const std::filesystem::path& path) {
-  OutlineFile outlines = read_outline_file(path, reading_of(c));
+// The profiles of one file of outlines, whose text is "" if it has ImageJ's regions.
+Profiles outlined_profiles(Context& c, const std::filesystem::path& path, const std::string& text) {
   const std::string file = path.string();
+  const Reading reading = reading_of(c);
+  OutlineFile outlines = text.empty() ? read_outline_file(path, reading, c.work())
+                                      : read_outline_text(text, file, reading, c.work());
   const Image* image = c.optional<Image>("image");
   if (image) {
-    if (outlines.width > 0 && (outlines.width != image->width || outlines.height != image->height))
-      throw Error(
-          "size-mismatch",
-          fmt::format("the outlines of '{}' are of a picture of {} × {} pixels, but the connected one "
-                      "has {} × {}",
-                      file, outlines.width, outlines.height, image->width, image->height),
-          "use the outlines of this picture")
-          .parameter("path");
-    outlines.width = image->width;
-    outlines.height = image->height;
+    take_picture(outlines, *image, true, file);
     outlines.pixel_size = image->pixel_size;
-    require_simple(outlines, file);
   }
   if (c.keyword("pixel_size").empty()) outlines.pixel_size = c.number("pixel_size");
   if (outlines.pixel_size == 0) {
@@ -55,14 +47,22 @@ Profiles outlined_profiles(Context& c, const std::filesystem::path& path) {
                        printable(path.filename().string())));
     outlines.pixel_size = 1;
   }
-  return profiles_of_outlines(outlines, outlines.pixel_size, file, reading_of(c));
+  const double pixel_size = outlines.pixel_size;
+  return profiles_of_outlines(std::move(outlines), pixel_size, image, file, reading, c.work());
 }
 
-// Outlines other than profiles that Export wrote.
-bool has_outlines(const std::filesystem::path& file, Context& c) {
-  if (!is_outline_file(file)) return false;
-  const std::string head = read_beginning(file, 4);
-  return head.starts_with("Iout") || head.starts_with("PK") || is_outline_json(text_of(file, c));
+// Neither outlines nor JSON can be joined with other files, or have a unit.
+void require_alone(Context& c, const std::filesystem::path& file, const std::string& what,
+                   const std::optional<ProfileUnit>& unit) {
+  if (c.files("path").size() != 1)
+    throw Error("several-files",
+                fmt::format("'{}' {}, which cannot be joined with other files", file.string(), what),
+                "name one file")
+        .parameter("path");
+  if (unit && unit->length != 1)
+    throw Error("bad-value", fmt::format("'{}' {}, whose areas are in mm²", file.string(), what),
+                "leave out the unit")
+        .parameter("unit");
 }
 
 // The profiles of tables, or of one JSON file or file of outlines.
@@ -72,25 +72,15 @@ Profiles profiles_of(Context& c, bool& json) {
   all.sections = 0;
   for (const auto& file : c.files("path")) {
     c.work().check();
-    if (has_outlines(file, c)) {
-      if (c.files("path").size() != 1)
-        throw Error("several-files",
-                    "'" + file.string() + "' has outlines, which cannot be joined with other files",
-                    "name one file")
-            .parameter("path");
+    const bool regions = is_region_file(file);
+    const std::string text = regions ? "" : text_of(file, c);
+    if (regions || is_outline_json(text)) {
+      require_alone(c, file, "has outlines", unit);
       json = true;
-      return outlined_profiles(c, file);
+      return outlined_profiles(c, file, text);
     }
-    const std::string text = text_of(file, c);
     if (is_json(text)) {
-      if (c.files("path").size() != 1)
-        throw Error("several-files",
-                    "'" + file.string() + "' is JSON, which cannot be joined with other files",
-                    "name one file")
-            .parameter("path");
-      if (unit && unit->length != 1)
-        throw Error("bad-value", "'" + file.string() + "' is JSON, which is in mm", "leave out the unit")
-            .parameter("unit");
+      require_alone(c, file, "is JSON", unit);
       json = true;
       return read_profiles_json(text, file.string());
     }
@@ -175,8 +165,9 @@ NodeType load_profiles_node() {
           "profiles that Export wrote to .json, with their outlines. It also reads outlines: GeoJSON, COCO, "
           "and ImageJ's regions.")
       .source_("RFC 7946 (GeoJSON); COCO, format for object detection; ImageJ, RoiDecoder")
-      .optional_input("image", {"Image"},
-                      "Picture that outlines belong to: its size and pixel_size. Tables need none")
+      .optional_input(
+          "image", {"Image"},
+          "Picture that outlines belong to: its size, sections, pixel_size and colors. Tables need none")
       .output("profiles", "Profiles", "Profile sizes; with outlines if the file is JSON")
       .parameter(Parameter::input_path("path").doc_("CSV or TSV file with a column area or diameter, or one "
                                                     "JSON file of profiles. A glob joins several "

@@ -10,6 +10,7 @@
 #include "nodes/data/profiles.h"
 #include "runtime/random.h"
 #include "tests/nodes/export/export_support.h"
+#include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -225,6 +226,63 @@ TEST_F(OutlineFiles, BadOutlinesAreNamed) {
   EXPECT_EQ(failure("LoadLabels", written("a.json", coco + R"("segmentation":[[1,1,4,1,4,4]]}]})"), &other),
             "size-mismatch path");
   EXPECT_EQ(failure("LoadProfiles", folder / "a.json", &other), "size-mismatch path");
+  EXPECT_EQ(with(R"({"size":[8,10],"counts":[5,20,55]})"), "size-mismatch path");
+  EXPECT_EQ(with(R"({"size":[10,10],"counts":[5.5,20,74.5]})"), "bad-outline path");
+  const std::string scales = R"({"images":[{"id":1,"width":10,"height":10,"pixel_size_mm":1},)"
+                             R"({"id":2,"width":10,"height":10,"pixel_size_mm":2}],"annotations":[)"
+                             R"({"image_id":1,"segmentation":[[1,1,4,1,4,4]]}]})";
+  EXPECT_EQ(failure("LoadLabels", written("a.json", scales)), "size-mismatch path");
+}
+
+TEST_F(OutlineFiles, CrossingsAtCornersAndHugeCoordinatesAreRefused) {
+  const auto code = [&](const std::string& rings) {
+    return failure("LoadProfiles", written("a.geojson", geojson(rings)));
+  };
+  EXPECT_EQ(code("[[0,6],[5,11],[15,21],[15,1],[5,11],[0,16],[0,6]]"), "bad-outline path");
+  EXPECT_EQ(code("[[0,0],[10,10],[10,0],[5,5],[0,10],[0,0]]"), "bad-outline path");  // a corner on a side
+  EXPECT_EQ(code("[[0,0],[5,5],[10,0],[10,10],[5,5],[0,10],[0,0]]"), "");            // only touches itself
+  EXPECT_EQ(code("[[-9e307,0.5],[0,0.6],[9e307,0.6],[-9e307,0.5]]"), "bad-outline path");
+  EXPECT_EQ(code("[[-9e307,0.5],[0,0.6],[9e307,0.6],[9e307,0.7],[-9e307,0.5]]"), "bad-outline path");
+  EXPECT_EQ(code("[[-4,1],[4,1],[4,4],[-4,1]]"), "bad-outline path");
+  EXPECT_EQ(code("[[0,0],[9,0],[9,9],[0,9],[0,0]],[[0,0],[9,0],[9,9],[0,9],[0,0]]"), "bad-outline path");
+}
+
+// Parts that share a side, a hole, and a part in the hole; fine outlines between the centers of pixels.
+TEST_F(OutlineFiles, AreasAreExact) {
+  const auto area = [&](const std::string& rings) {
+    const auto run = load("LoadProfiles", written("a.geojson", geojson(rings)));
+    return run.output<Profiles>("profiles").profiles.at(0);
+  };
+  const std::string left = "[[4,0],[4,4],[0,4],[0,0],[4,0]]";
+  const Profile both = area(left + ",[[4,0],[8,0],[8,4],[4,4],[4,0]]");
+  EXPECT_EQ(both.area, 32);
+  EXPECT_EQ(both.centroid, Vec2(4, 2));
+  EXPECT_EQ(area(left + ",[[4,1],[4,3],[2,3],[2,1],[4,1]]").area, 12);  // a hole that shares a side
+  EXPECT_EQ(area(left + ",[[1,1],[3,1],[3,3],[1,3],[1,1]],[[1,1],[2,1],[2,2],[1,2],[1,1]]").area, 13);
+  EXPECT_NEAR(area("[[1.6,1.6],[1.9,1.6],[1.9,1.9],[1.6,1.9],[1.6,1.6]]").area, 0.09, 1e-12);
+}
+
+TEST_F(OutlineFiles, ThePictureGivesSectionsAndColors) {
+  const Image stack(10, 10, 10, 0.5, Vec3f(0.25f, 0.5f, 1));
+  const std::string square = "[[1,1],[4,1],[4,4],[1,4],[1,1]]";
+  const fs::path file = written("a.geojson", geojson(square));
+  const auto back = load("LoadProfiles", file, &stack).output<Profiles>("profiles");
+  EXPECT_EQ(back.sections, 10);
+  EXPECT_EQ(back.observed_area, 250);
+  EXPECT_EQ(back.profiles[0].color, Vec3f(0.25f, 0.5f, 1));
+  EXPECT_EQ(load("LoadLabels", file, &stack).output<Labels>("labels").sections, 10);
+  EXPECT_EQ(test::code_of([&] { load("LoadProfiles", file, nullptr, {{"unit", "µm"}}); }), "bad-value");
+  const auto property = [&](const std::string& text, const Image* image = nullptr) {
+    std::string json = geojson(square);
+    json.insert(json.find(R"("geometry")"), R"("properties":{)" + text + "},");
+    return failure("LoadProfiles", written("a.geojson", json), image);
+  };
+  const Image one(10, 10, 1, 1);
+  EXPECT_EQ(property(R"("section":1,"class":3,"confidence":0.5)", &stack), "");
+  EXPECT_EQ(property(R"("section":1)", &one), "size-mismatch path");
+  for (const char* wrong : {R"("section":-1)", R"("section":1000000)", R"("class":0.5)", R"("class":2000000)",
+                            R"("confidence":95)"})
+    EXPECT_EQ(property(wrong), "bad-outline path") << wrong;
 }
 
 TEST_F(OutlineFiles, DamagedRegionsAreNamed) {

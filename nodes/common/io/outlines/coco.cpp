@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -43,32 +44,74 @@ RunLengths unpacked(const std::string& text, const std::string& name, const std:
   return out;
 }
 
-std::vector<Loop> loops_of_runs(const JsonObject& object, const std::string& name, const std::string& file) {
+// Of a picture of out.width × out.height pixels.
+RunLengths runs_of(const JsonObject& object, const FileOutline& one, const OutlineFile& out,
+                   const std::string& file) {
   const std::vector<double> size = object.numbers("size", 1, kLargestSide);
   if (size.size() != 2)
-    throw bad_outline(file, name + " has no size [height, width]", "write the file again");
-  const int height = static_cast<int>(size[0]), width = static_cast<int>(size[1]);
+    throw bad_outline(file, one.name + " has no size [height, width]", "write the file again");
+  if (size[0] != out.height || size[1] != out.width)
+    throw Error("size-mismatch",
+                fmt::format("'{}': {} has run lengths for {} × {} pixels, but its picture has {} × {}", file,
+                            one.name, size[1], size[0], out.width, out.height),
+                "write the file again")
+        .parameter("path");
   const json& counts = object.field("counts");
+  if (counts.is_string()) return unpacked(counts.get<std::string>(), one.name, file);
   RunLengths runs;
-  if (counts.is_string()) {
-    runs = unpacked(counts.get<std::string>(), name, file);
-  } else {
-    for (const double v : object.numbers("counts", 0, 0xffffffffU)) runs.push_back(v);
+  for (const double v : object.numbers("counts", 0, 0xffffffffU)) {
+    if (v != std::floor(v)) object.fail("the field counts contains a number that is not whole");
+    runs.push_back(static_cast<std::uint32_t>(v));
   }
-  const std::size_t pixels = pixels_in(width, height);
-  require_memory(8.0 * pixels, available_memory(), "the run lengths of '" + file + "'");
-  std::vector<std::int32_t> mask(pixels, 0);
+  return runs;
+}
+
+// A part of the object in one column, rows [begin, end).
+struct ColumnRun {
+  int x, begin, end;
+};
+std::vector<ColumnRun> column_runs(const RunLengths& runs, const std::string& name, const OutlineFile& out,
+                                   const std::string& file) {
+  const auto height = static_cast<std::size_t>(out.height);
+  const std::size_t pixels = pixels_in(out.width, out.height);
+  std::vector<ColumnRun> columns;
   std::size_t at = 0;
   for (std::size_t k = 0; k < runs.size(); ++k) {
     if (runs[k] > pixels - at)
-      throw bad_outline(file,
-                        fmt::format("{} has run lengths for more than {} × {} pixels", name, width, height),
-                        "write the file again");
-    for (std::size_t i = at; k % 2 == 1 && i < at + runs[k]; ++i)
-      mask[pixel_at(static_cast<int>(i / height), static_cast<int>(i % height), width)] = 1;
-    at += runs[k];
+      throw bad_outline(
+          file, fmt::format("{} has run lengths for more than {} × {} pixels", name, out.width, out.height),
+          "write the file again");
+    const std::size_t end = at + runs[k];
+    while (k % 2 == 1 && at < end) {
+      const std::size_t x = at / height, stop = std::min(end, (x + 1) * height);
+      columns.push_back(
+          {static_cast<int>(x), static_cast<int>(at - x * height), static_cast<int>(stop - x * height)});
+      at = stop;
+    }
+    at = end;
   }
-  return pixel_outlines(mask.data(), width, height, 1)[0];
+  return columns;
+}
+
+// From the pixels of the object's box.
+std::vector<Loop> loops_of_runs(const std::vector<ColumnRun>& columns, const std::string& file,
+                                const Reading& reading, const Work& work) {
+  if (columns.empty()) return {};
+  int top = columns[0].begin, bottom = columns[0].end;
+  for (const ColumnRun& c : columns) {
+    top = std::min(top, c.begin);
+    bottom = std::max(bottom, c.end);
+  }
+  const int left = columns.front().x, width = columns.back().x + 1 - left, height = bottom - top;
+  const std::size_t pixels = pixels_in(width, height);
+  require_memory(8.0 * pixels, reading.memory, "the run lengths of '" + file + "'");
+  std::vector<std::int32_t> mask(pixels, 0);
+  for (const ColumnRun& c : columns)
+    for (int y = c.begin; y < c.end; ++y) mask[pixel_at(c.x - left, y - top, width)] = 1;
+  std::vector<Loop> loops = pixel_outlines(mask.data(), width, height, work)[1];
+  for (Loop& loop : loops)
+    for (Vec2& p : loop) p += Vec2(left, top);
+  return loops;
 }
 
 Loop loop_of_numbers(const json& list, const std::string& name, const std::string& file) {
@@ -99,7 +142,16 @@ std::map<std::int64_t, int> sections_of(const JsonObject& all, const JsonSource&
           .parameter("path");
     out.width = width;
     out.height = height;
-    if (j.contains("pixel_size_mm")) out.pixel_size = image.number("pixel_size_mm", JsonObject::kSmallest);
+    if (j.contains("pixel_size_mm")) {
+      const double pixel_size = image.number("pixel_size_mm", JsonObject::kSmallest);
+      if (out.pixel_size > 0 && pixel_size != out.pixel_size)
+        throw Error("size-mismatch",
+                    fmt::format("'{}' has pictures with pixels of {:.6g} and of {:.6g} mm", source.file,
+                                out.pixel_size, pixel_size),
+                    "all sections of a stack must have one scale: write one file for each picture")
+            .parameter("path");
+      out.pixel_size = pixel_size;
+    }
     sections.emplace(image.whole("id", 0, 2'000'000'000), count_of(sections));
   }
   out.sections = std::max(1, count_of(sections));
@@ -108,7 +160,8 @@ std::map<std::int64_t, int> sections_of(const JsonObject& all, const JsonSource&
 
 }  // namespace
 
-OutlineFile read_coco(const std::string& text, const std::string& file) {
+OutlineFile read_coco(const std::string& text, const std::string& file, const Reading& reading,
+                      const Work& work) {
   const JsonSource source{file, "use COCO's format for object detection"};
   const json json_text = parse_json(text, "", source);
   const JsonObject all(json_text, source, "the file ", "unreadable-outlines");
@@ -121,6 +174,7 @@ OutlineFile read_coco(const std::string& text, const std::string& file) {
       classes.emplace(category.whole("id", 0, 2'000'000'000), count_of(classes));
     }
   for (const json& j : all.list("annotations")) {
+    work.check();
     FileOutline one;
     one.name = fmt::format("annotation {}", out.outlines.size() + 1);
     const JsonObject annotation(j, source, one.name + ": ", "bad-outline");
@@ -135,8 +189,9 @@ OutlineFile read_coco(const std::string& text, const std::string& file) {
     if (annotation.has("score")) one.confidence = annotation.number("score", 0, 1);
     const json& segmentation = annotation.field("segmentation");
     if (segmentation.is_object()) {
-      one.loops =
-          loops_of_runs(JsonObject(segmentation, source, one.name + ": ", "bad-outline"), one.name, file);
+      const JsonObject object(segmentation, source, one.name + ": ", "bad-outline");
+      one.loops = loops_of_runs(column_runs(runs_of(object, one, out, file), one.name, out, file), file,
+                                reading, work);
     } else if (segmentation.is_array()) {
       for (const json& polygon : segmentation) one.loops.push_back(loop_of_numbers(polygon, one.name, file));
     } else {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "nodes/common/io/json_input.h"
 #include "nodes/common/io/outlines/outline_file.h"
@@ -30,15 +31,28 @@ Loop ring_of(const json& ring, const std::string& name, const std::string& file)
   return out;
 }
 
+// A property, if it is a number; other programs may use its name for something else.
+std::optional<double> number_of(const json& properties, const char* property, double most, bool whole,
+                                const std::string& name, const std::string& file) {
+  const auto it = properties.find(property);
+  if (it == properties.end() || !it->is_number()) return {};
+  const auto v = it->get<double>();
+  if (v >= 0 && v <= most && (!whole || v == std::floor(v))) return v;
+  throw bad_outline(file,
+                    fmt::format("{} has the {} {:.6g}, which is no {} from 0 to {:.7g}", name, property, v,
+                                whole ? "whole number" : "number", most),
+                    "correct the property");
+}
+
 // The class of a feature: a number of ours, or the name of a class of QuPath, which `names` collects.
 struct GeoClass {
   int number = 0;
   std::string name;
 };
-GeoClass class_of(const json& properties) {
+GeoClass class_of(const json& properties, const std::string& name, const std::string& file) {
   GeoClass out;
-  if (const auto own = properties.find("class"); own != properties.end() && own->is_number_unsigned())
-    out.number = static_cast<int>(std::min<std::uint64_t>(own->get<std::uint64_t>(), 1'000'000));
+  if (const auto own = number_of(properties, "class", 1e6, true, name, file))
+    out.number = static_cast<int>(*own);
   else if (const auto it = properties.find("classification"); it != properties.end() && it->is_object())
     out.name = it->value("name", json()).is_string() ? it->at("name").get<std::string>() : "";
   return out;
@@ -116,14 +130,13 @@ OutlineFile read_geojson(const std::string& text, const std::string& file) {
       ++others;
       continue;
     }
-    const GeoClass cls = class_of(*properties);
+    const GeoClass cls = class_of(*properties, one.name, file);
     one.cls = cls.number;
     names.emplace(cls.name, 0);
     named.push_back(cls.name);
-    if (const auto it = properties->find("section"); it != properties->end() && it->is_number_unsigned())
-      one.section = static_cast<int>(std::min<std::uint64_t>(it->get<std::uint64_t>(), kMostSections - 1));
-    if (const auto it = properties->find("confidence"); it != properties->end() && it->is_number())
-      one.confidence = std::clamp(it->get<double>(), 0.0, 1.0);
+    if (const auto v = number_of(*properties, "section", kMostSections - 1, true, one.name, file))
+      one.section = static_cast<int>(*v);
+    if (const auto v = number_of(*properties, "confidence", 1, false, one.name, file)) one.confidence = *v;
     out.sections = std::max(out.sections, one.section + 1);
     out.outlines.push_back(std::move(one));
   }

@@ -21,24 +21,42 @@ std::string beginning(const std::filesystem::path& path) {
 bool is_roi(const std::string& head) { return head.starts_with("Iout"); }
 bool is_archive(const std::string& head) { return head.starts_with("PK\3\4") || head.starts_with("PK\5\6"); }
 
-OutlineFile read_json_outlines(const std::filesystem::path& path, const Reading& reading) {
-  const std::string text = read_text(path, reading), file = path.string();
+OutlineFile json_outlines(const std::string& text, const std::string& file, const Reading& reading,
+                          const Work& work) {
   require_memory(3 * memory_to_read_json(text), reading.memory, "the outlines '" + file + "'");
   // COCO's list of annotations is what tells the two apart; a GeoJSON object has a type.
   const auto annotations = text.find("\"annotations\""), type = text.find("\"FeatureCollection\"");
-  return annotations != std::string::npos && type == std::string::npos ? read_coco(text, file)
+  return annotations != std::string::npos && type == std::string::npos ? read_coco(text, file, reading, work)
                                                                        : read_geojson(text, file);
+}
+
+OutlineFile checked_outlines(OutlineFile all, const std::string& file, const Work& work) {
+  if (all.outlines.empty())
+    throw Error("no-particles", fmt::format("'{}' contains no outlines", file),
+                "use a file with polygons or areas")
+        .parameter("path");
+  require_simple(all, file, work);
+  return all;
 }
 
 }  // namespace
 
 bool is_outline_file(const std::filesystem::path& path) {
   const std::string head = beginning(path);
-  return is_roi(head) || (is_archive(head) && path.extension() == ".zip") || head.starts_with("{") ||
-         head.starts_with("[");
+  return is_region_file(path) || head.starts_with("{") || head.starts_with("[");
 }
 
-OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& reading) {
+bool is_region_file(const std::filesystem::path& path) {
+  const std::string head = beginning(path);
+  return is_roi(head) || (is_archive(head) && path.extension() == ".zip");
+}
+
+OutlineFile read_outline_text(const std::string& text, const std::string& file, const Reading& reading,
+                              const Work& work) {
+  return checked_outlines(json_outlines(text, file, reading, work), file, work);
+}
+
+OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& reading, const Work& work) {
   const std::string head = beginning(path);
   OutlineFile out;
   if (is_archive(head)) {
@@ -47,14 +65,28 @@ OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& 
     out.outlines.push_back(read_roi(read_whole(path, reading), path.string()));
     out.sections = out.outlines[0].section + 1;
   } else {
-    out = read_json_outlines(path, reading);
+    return read_outline_text(read_text(path, reading), path.string(), reading, work);
   }
-  if (out.outlines.empty())
-    throw Error("no-particles", fmt::format("'{}' contains no outlines", path.string()),
-                "use a file with polygons or areas")
+  return checked_outlines(std::move(out), path.string(), work);
+}
+
+void take_picture(OutlineFile& outlines, const Image& picture, bool all_sections, const std::string& file) {
+  if ((outlines.width > 0 && (outlines.width != picture.width || outlines.height != picture.height)) ||
+      (all_sections && outlines.sections > picture.sections))
+    throw Error(
+        "size-mismatch",
+        fmt::format(
+            "the outlines of '{}' are of {} sections{}, but the connected picture has {} of "
+            "{} × {} pixels",
+            file, outlines.sections,
+            outlines.width > 0 ? fmt::format(" of {} × {} pixels", outlines.width, outlines.height) : "",
+            picture.sections, picture.width, picture.height),
+        "use the outlines of this picture")
         .parameter("path");
-  require_simple(out, path.string());
-  return out;
+  outlines.width = picture.width;
+  outlines.height = picture.height;
+  if (all_sections) outlines.sections = picture.sections;
+  require_inside(outlines, file);
 }
 
 Error bad_outline(const std::string& file, const std::string& what, const std::string& hint) {

@@ -11,8 +11,8 @@
 namespace terrazzo::exporting {
 namespace {
 
-// The corner of a loop along its pixels from which it begins in reading order lies above and left of its
-// inside; half a pixel from it is inside of the loop, whatever the loops that touch it there.
+// The center of the loop's first pixel in reading order, of which its first corner is the upper left one.
+// Loops follow the edges of pixels.
 Vec2 inside_of(const Loop& loop) {
   const Vec2 first = *std::min_element(loop.begin(), loop.end(), [](const Vec2& a, const Vec2& b) {
     return a.y() < b.y() || (a.y() == b.y() && a.x() < b.x());
@@ -28,11 +28,9 @@ OutlineFile outlines_of(const Labels& labels) {
   if (plane == 0 || labels.ids.size() != plane * labels.sections)
     throw Error("empty-labels", "the labels have no pixels", "connect labels of a picture");
   for (int section = 0; section < labels.sections; ++section) {
-    auto loops =
-        pixel_outlines(labels.ids.data() + plane * section, labels.width, labels.height, labels.count());
-    for (int k = 0; k < labels.count(); ++k)
-      if (!loops[k].empty())
-        out.outlines.push_back({std::to_string(k + 1), section, labels.classes[k], 1, std::move(loops[k])});
+    for (auto& [id, loops] : pixel_outlines(labels.ids.data() + plane * section, labels.width, labels.height))
+      if (id <= labels.count())
+        out.outlines.push_back({std::to_string(id), section, labels.classes[id - 1], 1, std::move(loops)});
   }
   return out;
 }
