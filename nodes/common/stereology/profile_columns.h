@@ -24,11 +24,12 @@ std::vector<ProfileColumn> profile_columns(const Profiles&, const Work& = {});
 // the profiles are not of this picture.
 std::vector<Vec3f> mean_colors(const Profiles&, const Image&, const Work& = {});
 
-// Throws Error "size-mismatch" if a picture of this size cannot be the profiles'. An unknown window is right.
+// Throws Error "size-mismatch" if a picture of this size cannot be the profiles'. An unknown window fits any
+// picture.
 void require_picture(const Profiles&, int width, int height, int sections, double pixel_size);
 
-// An outline in pixels from the upper left corner, y down; the order of its points is turned, so that it
-// stays counterclockwise for those who look along y up.
+// An outline in pixels from the upper left corner, y down. The order of its points is reversed, so that its
+// area stays positive.
 Loop in_pixels(const std::vector<Vec2>& contour, double pixel_size, int height);
 
 }  // namespace terrazzo

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "nodes/common/plot/plot.h"
-#include "nodes/common/stereology/profile_columns.h"
 
 namespace terrazzo::grain_size {
 namespace {
@@ -21,9 +20,7 @@ Plot cumulative_plot(const Sizes& s, Scale scale) {
   for (const Weighting weighting : kWeightings) {
     const Curve curve = curve_of(s, weighting);
     PlotSeries line;
-    line.name = weighting == Weighting::Number ? "by number"
-                : weighting == Weighting::Area ? "by area"
-                                               : "by weight";
+    line.name = name_of(weighting);
     line.color = color++;
     for (std::size_t i = 0; i < curve.diameter.size(); ++i) {
       line.x.push_back(scale == Scale::Phi ? phi(curve.diameter[i]) : curve.diameter[i]);
@@ -38,7 +35,7 @@ Plot crystal_plot(const CrystalSizes& crystals) {
   Plot plot;
   plot.title = "Crystal size distribution";
   plot.x_label = "size, mm";
-  plot.y_label = "ln of N_V / class width, mm⁻⁴";
+  plot.y_label = crystals.relative ? "ln of relative N_V / class width" : "ln of N_V / class width, mm⁻⁴";
   PlotSeries points{PlotSeries::Kind::Points, "", crystals.size, crystals.density, {}, {}, 0}, line;
   line.color = 1;
   for (const double x : {crystals.size.front(), crystals.size.back()}) {
@@ -62,17 +59,20 @@ Table table_of(const std::vector<Measure>& measures, const CrystalSizes* crystal
   t.columns = {"measure", "value", "low", "high", "unit"};
   for (const Measure& m : measures) {
     const bool diameter = m.unit == "mm" && m.name.find("intercept") == std::string::npos;
-    if (diameter && scale == Scale::Phi)
-      t.rows.push_back({m.name, phi(m.value), phi(m.high), phi(m.low), std::string("φ")});
-    else
+    // The mean of φ is that of the logarithms.
+    const std::string geometric = "geometric ";
+    if (!diameter || scale == Scale::Mm)
       t.rows.push_back({m.name, m.value, m.low, m.high, m.unit});
+    else if (!m.name.starts_with("mean"))
+      t.rows.push_back({m.name.starts_with(geometric) ? m.name.substr(geometric.size()) : m.name,
+                        phi(m.value), phi(m.high), phi(m.low), std::string("φ")});
   }
   if (!crystals) return t;
   const auto add = [&](const char* name, double v, const char* unit) {
     t.rows.push_back({std::string(name), v, std::string(), std::string(), std::string(unit)});
   };
   add("slope of the crystal size distribution", crystals->slope, "mm⁻¹");
-  add("intercept of the crystal size distribution", crystals->intercept, "ln mm⁻⁴");
+  if (!crystals->relative) add("intercept of the crystal size distribution", crystals->intercept, "ln mm⁻⁴");
   return t;
 }
 
@@ -81,12 +81,11 @@ Image figure_of(const Sizes& s, const CrystalSizes* crystals, Scale scale) {
   return draw({cumulative_plot(s, scale), crystal_plot(*crystals)}, 2);
 }
 
-Table grains_of(const Profiles& profiles, const std::vector<Vec3f>& mean_colors, double pixel_size,
-                const Work& work) {
+Table grains_of(const Profiles& profiles, const std::vector<ProfileColumn>& columns,
+                const std::vector<Vec3f>& mean_colors, double pixel_size) {
   Table t;
   t.columns = {"section",       "class",  "area mm²",       "centroid x mm",
                "centroid y mm", "weight", "touches border", "confidence"};
-  std::vector<ProfileColumn> columns = profile_columns(profiles, work);
   for (const ProfileColumn& c : columns)
     t.columns.push_back(with_unit(c.name, c.power == 1 ? "mm" : c.name == "orientation" ? "degrees" : ""));
   if (pixel_size > 0) {

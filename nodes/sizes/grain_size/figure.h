@@ -9,7 +9,7 @@ namespace terrazzo::grain_size {
 
 enum class Scale { Mm, Phi };  // φ = −log₂(diameter / mm)
 
-// Columns measure, value, low, high, unit. With φ, only diameters are converted.
+// Columns measure, value, low, high, unit. With φ, only diameters are converted, and means are those of φ.
 Table table_of(const std::vector<Measure>&, const CrystalSizes*, Scale);
 
 // Cumulative curves by number, area and weight: the finer share against mm, or the coarser share against φ;
@@ -17,6 +17,7 @@ Table table_of(const std::vector<Measure>&, const CrystalSizes*, Scale);
 Image figure_of(const Sizes&, const CrystalSizes*, Scale);
 
 // One row per profile: its place, what Export writes, and mean colors, which may be empty.
-Table grains_of(const Profiles&, const std::vector<Vec3f>& mean_colors, double pixel_size, const Work&);
+Table grains_of(const Profiles&, const std::vector<ProfileColumn>&, const std::vector<Vec3f>& mean_colors,
+                double pixel_size);
 
 }  // namespace terrazzo::grain_size

@@ -7,7 +7,6 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/loop.h"
-#include "nodes/common/stereology/profile_columns.h"
 #include "nodes/sizes/unfolding/bootstrap.h"
 
 namespace terrazzo::grain_size {
@@ -28,23 +27,18 @@ const char* column_of(Diameter diameter) {
   }
 }
 
-const char* name_of(Weighting weighting) {
-  return weighting == Weighting::Number ? "by number"
-         : weighting == Weighting::Area ? "by area"
-                                        : "by weight";
-}
-
 // ASTM E112-13, table 6: equations for G in mm.
 double number_of_area(double mean_area) { return -3.321928 * std::log10(mean_area) - 2.954; }
 double number_of_intercept(double intercept) { return -6.643856 * std::log10(intercept) - 3.288; }
 
-// Percentiles and the mean of one weighting; `counts`: how often each profile appears.
+// Percentiles and the means of one weighting; `counts`: how often each profile appears.
 void add_sizes(const Sizes& s, const std::vector<double>& amount, const std::vector<double>& counts,
                std::vector<double>& out) {
-  double all = 0, sum = 0;
+  double all = 0, sum = 0, logs = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     all += counts[i] * amount[i];
     sum += counts[i] * amount[i] * s.diameter[i];
+    logs += counts[i] * amount[i] * std::log(s.diameter[i]);
   }
   double below = 0, share = 0, diameter = 0;  // of the last profile that appears
   std::size_t k = 0;
@@ -61,6 +55,7 @@ void add_sizes(const Sizes& s, const std::vector<double>& amount, const std::vec
   }
   for (; k < kPercents.size(); ++k) out.push_back(diameter);
   out.push_back(sum / all);
+  out.push_back(std::exp(logs / all));
 }
 
 // The values of measures_of, in the order of named_measures.
@@ -92,7 +87,8 @@ std::vector<Measure> named_measures(const Sizes& s) {
   for (const Weighting weighting : kWeightings) {
     for (const int percent : kPercents)
       out.push_back({fmt::format("D{} {}", percent, name_of(weighting)), "mm"});
-    out.push_back({fmt::format("mean {}", name_of(weighting)), "mm"});
+    for (const char* mean : {"mean", "geometric mean"})
+      out.push_back({fmt::format("{} {}", mean, name_of(weighting)), "mm"});
   }
   out.push_back({"ASTM grain size number by area", ""});
   if (s.outlined) {
@@ -114,22 +110,31 @@ void measure_shadows(const std::vector<Vec2>& loop, Sizes& s) {
 
 }  // namespace
 
-Sizes sizes_of(const Profiles& profiles, Diameter diameter, const Work& work) {
-  const std::vector<ProfileColumn> columns = profile_columns(profiles, work);
-  const auto column = std::find_if(columns.begin(), columns.end(),
-                                   [&](const ProfileColumn& c) { return c.name == column_of(diameter); });
-  const auto unknown = [](double v) { return !(v > 0); };
-  if (column == columns.end() || std::any_of(column->values.begin(), column->values.end(), unknown))
-    throw Error("no-outlines",
-                fmt::format("{} needs the outline of every profile, and some have none", column_of(diameter)),
-                "set diameter to equivalent_diameter, or connect profiles with outlines")
-        .parameter("diameter");
+const char* name_of(Weighting weighting) {
+  return weighting == Weighting::Number ? "by number"
+         : weighting == Weighting::Area ? "by area"
+                                        : "by weight";
+}
+
+Sizes sizes_of(const Profiles& profiles, const std::vector<ProfileColumn>& columns, Diameter diameter) {
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < profiles.profiles.size(); ++i)
     if (profiles.profiles[i].weight > 0) order.push_back(i);
   if (order.empty())
     throw Error("no-profiles", "no profile has a weight: there are none, or all touch the border",
                 "use a larger photograph");
+  const auto column = std::find_if(columns.begin(), columns.end(),
+                                   [&](const ProfileColumn& c) { return c.name == column_of(diameter); });
+  for (const std::size_t i : order) {
+    if (column == columns.end() || std::isnan(column->values[i]))
+      throw Error("no-outlines",
+                  fmt::format("{} needs the outline of every profile, but profile {} has none",
+                              column_of(diameter), i),
+                  "set diameter to equivalent_diameter, or connect profiles with outlines")
+          .parameter("diameter");
+    if (!(column->values[i] > 0))
+      throw Error("bad-profile", fmt::format("profile {} has no area", i), "remove it from the profiles");
+  }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return column->values[a] < column->values[b]; });
   Sizes out;
@@ -175,13 +180,11 @@ std::vector<Measure> measures_of(const Sizes& s, int repetitions, std::uint64_t 
     }
   });
   std::vector<double> repeated(drawn.size());
-  const auto at = [&](double share) { return repeated[std::lround(share * (repeated.size() - 1))]; };
   for (std::size_t k = 0; k < out.size(); ++k) {
     for (std::size_t r = 0; r < drawn.size(); ++r) repeated[r] = drawn[r][k];
-    std::sort(repeated.begin(), repeated.end());
     out[k].value = values[k];
-    out[k].low = at(0.05);
-    out[k].high = at(0.95);
+    out[k].low = unfolding::quantile(repeated, 0.05);
+    out[k].high = unfolding::quantile(repeated, 0.95);
   }
   return out;
 }

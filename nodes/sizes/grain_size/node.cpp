@@ -13,18 +13,22 @@ void compute(Context& c) {
   const Image* image = c.optional<Image>("image");
   const auto* distribution = c.optional<SizeDistribution>("distribution");
   const auto scale = c.choice<Scale>("scale");
-  const Sizes sizes = sizes_of(profiles, c.choice<Diameter>("diameter"), c.work());
+  const std::vector<ProfileColumn> columns = profile_columns(profiles, c.work());
+  const Sizes sizes = sizes_of(profiles, columns, c.choice<Diameter>("diameter"));
   std::optional<CrystalSizes> crystals;
-  if (distribution) crystals = crystal_sizes(*distribution);
+  if (distribution) {
+    crystals = crystal_sizes(*distribution);
+    crystals->relative = profiles.observed_area == 0;
+  }
   const auto measures = measures_of(sizes, static_cast<int>(c.integer("repetitions")), c.seed(), c.work());
   const CrystalSizes* found = crystals ? &*crystals : nullptr;
   c.metric("profiles", sizes.diameter.size());
   for (const Measure& m : measures)
     if (m.name == "D50 by number") c.metric("D50_by_number", m.value);
   c.output("table", table_of(measures, found, scale));
-  c.output("grains",
-           grains_of(profiles, image ? mean_colors(profiles, *image, c.work()) : std::vector<Vec3f>(),
-                     image ? image->pixel_size : 0, c.work()));
+  c.output("grains", grains_of(profiles, columns,
+                               image ? mean_colors(profiles, *image, c.work()) : std::vector<Vec3f>(),
+                               image ? image->pixel_size : 0));
   c.output("figure", figure_of(sizes, found, scale));
 }
 
@@ -58,7 +62,7 @@ NodeType grain_size_node() {
                     "feret_max and feret_min are the largest and smallest caliper. All but the first "
                     "need outlines."))
       .parameter(Parameter::choice("scale", "mm", {"mm", "phi"})
-                     .doc_("Scale of the percentiles and the figure. phi: −log₂ of the diameter in mm. D16 "
+                     .doc_("Scale of the sizes and the figure. phi: −log₂ of the diameter in mm. D16 "
                            "stays the diameter that 16 % are finer than."))
       .parameter(Parameter::integer("repetitions", 1000)
                      .range(1, 100000)

@@ -16,6 +16,8 @@ int poisson_1(Random& random) {
   return k;
 }
 
+}  // namespace
+
 double quantile(std::vector<double>& values, double q) {
   std::sort(values.begin(), values.end());
   const double at = q * (values.size() - 1);
@@ -23,8 +25,6 @@ double quantile(std::vector<double>& values, double q) {
   const std::size_t j = std::min(i + 1, values.size() - 1);
   return values[i] + (at - i) * (values[j] - values[i]);
 }
-
-}  // namespace
 
 std::vector<double> draw_counts(const std::vector<int>& section, int sections, Random& random) {
   std::vector<double> out;

@@ -17,6 +17,9 @@ struct Intervals {
   std::vector<double> low, high;  // 5 % and 95 % quantiles
 };
 
+// By linear interpolation. Sorts the values, of which there is at least one.
+double quantile(std::vector<double>& values, double q);
+
 // How often each profile appears in one repetition. A Poisson number of times with mean 1, because the number
 // of profiles is random too. From 10 sections on, whole sections are resampled instead, so that the
 // differences between sections count: one section fewer than there are, weighted up (Rao and Wu 1988);

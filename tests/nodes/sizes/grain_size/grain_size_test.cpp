@@ -41,11 +41,18 @@ Profiles profiles_of(const std::vector<Loop>& loops, double weight = 1) {
   return out;
 }
 
-double value_of(const std::vector<Measure>& measures, const std::string& name) {
+Sizes sizes_by(const Profiles& profiles, Diameter diameter) {
+  return sizes_of(profiles, profile_columns(profiles), diameter);
+}
+
+Measure measure_of(const std::vector<Measure>& measures, const std::string& name) {
   for (const Measure& m : measures)
-    if (m.name == name) return m.value;
+    if (m.name == name) return m;
   ADD_FAILURE() << name;
-  return 0;
+  return {};
+}
+double value_of(const std::vector<Measure>& measures, const std::string& name) {
+  return measure_of(measures, name).value;
 }
 
 TEST(GrainSizeMeasures, OfAnEllipse) {
@@ -88,7 +95,7 @@ TEST(GrainSize, PercentilesAreHazens) {
   }
   profiles.profiles.push_back(profiles.profiles[0]);
   profiles.profiles.back().weight = 0;  // at the border
-  const auto m = measures_of(sizes_of(profiles, Diameter::Equivalent), 50, 1);
+  const auto m = measures_of(sizes_by(profiles, Diameter::Equivalent), 50, 1);
   EXPECT_NEAR(value_of(m, "D10 by number"), 1.5, 1e-12);
   EXPECT_NEAR(value_of(m, "D16 by number"), 2.1, 1e-12);
   EXPECT_NEAR(value_of(m, "D50 by number"), 5.5, 1e-12);
@@ -96,6 +103,7 @@ TEST(GrainSize, PercentilesAreHazens) {
   EXPECT_NEAR(value_of(m, "mean by number"), 5.5, 1e-12);
   EXPECT_NEAR(value_of(m, "mean by area"), 3025.0 / 385, 1e-12);
   EXPECT_NEAR(value_of(m, "mean by weight"), 25333.0 / 3025, 1e-12);
+  EXPECT_NEAR(value_of(m, "geometric mean by number"), std::pow(3628800.0, 0.1), 1e-12);
   // Squares below 8 add up to 140 of 385, and half of 8's 64 to 172; 9 begins at 204 and its middle is 244.5.
   EXPECT_NEAR(value_of(m, "D50 by area"), 8 + (192.5 - 172) / (244.5 - 172), 1e-12);
 }
@@ -114,14 +122,12 @@ TEST(GrainSize, IntervalsAreThoseOfTheMean) {
     p.area = pi / 4 * size * size;
     profiles.profiles.push_back(p);
   }
-  const auto measures = measures_of(sizes_of(profiles, Diameter::Equivalent), 2000, 3);
+  const auto measures = measures_of(sizes_by(profiles, Diameter::Equivalent), 2000, 3);
   const double sd = std::sqrt(square / kCount - sum * sum / kCount / kCount);
-  for (const Measure& m : measures)
-    if (m.name == "mean by number") {
-      EXPECT_NEAR(m.high - m.low, 2 * 1.645 * sd / std::sqrt(kCount), 0.1 * (m.high - m.low));
-    }
-  EXPECT_EQ(measures[2].low, measures_of(sizes_of(profiles, Diameter::Equivalent), 2000, 3)[2].low);
-  EXPECT_NE(measures[2].low, measures_of(sizes_of(profiles, Diameter::Equivalent), 2000, 4)[2].low);
+  const Measure mean = measure_of(measures, "mean by number");
+  EXPECT_NEAR(mean.high - mean.low, 2 * 1.645 * sd / std::sqrt(kCount), 0.1 * (mean.high - mean.low));
+  EXPECT_EQ(measures[2].low, measures_of(sizes_by(profiles, Diameter::Equivalent), 2000, 3)[2].low);
+  EXPECT_NE(measures[2].low, measures_of(sizes_by(profiles, Diameter::Equivalent), 2000, 4)[2].low);
 }
 
 // The part of a polygon that is nearer to a than to b.
@@ -163,10 +169,10 @@ TEST(GrainSize, MeanInterceptsOfTessellations) {
     stairs.emplace_back(std::cos(angle), std::sin(angle));
     stairs.emplace_back(std::cos(angle), std::sin(next));
   }
-  const auto disc = measures_of(sizes_of(profiles_of({stairs}), Diameter::Equivalent), 20, 1);
+  const auto disc = measures_of(sizes_by(profiles_of({stairs}), Diameter::Equivalent), 20, 1);
   EXPECT_NEAR(value_of(disc, "mean intercept"), pi / 2, 1e-3);
 
-  const auto m = measures_of(sizes_of(profiles_of(cells), Diameter::Equivalent), 20, 1);
+  const auto m = measures_of(sizes_by(profiles_of(cells), Diameter::Equivalent), 20, 1);
   const double intercept = pi / (4 * std::sqrt(kCells));
   EXPECT_NEAR(value_of(m, "mean intercept"), intercept, 0.01 * intercept);
   EXPECT_NEAR(value_of(m, "mean intercept along x"), intercept, 0.02 * intercept);
@@ -176,7 +182,7 @@ TEST(GrainSize, MeanInterceptsOfTessellations) {
   EXPECT_NEAR(value_of(m, "ASTM grain size number by area"), 3.321928 * std::log10(3000.0) - 2.954, 1e-9);
 
   const auto s =
-      measures_of(sizes_of(profiles_of({{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, {{2, 0}, {4, 0}, {4, 2}, {2, 2}}}),
+      measures_of(sizes_by(profiles_of({{{0, 0}, {2, 0}, {2, 2}, {0, 2}}, {{2, 0}, {4, 0}, {4, 2}, {2, 2}}}),
                            Diameter::FeretMin),
                   20, 1);
   EXPECT_NEAR(value_of(s, "mean intercept"), 2, 1e-12);
@@ -212,6 +218,20 @@ TEST(GrainSize, ThePictureGivesPixelsAndColors) {
   EXPECT_EQ(grains.number(0, "mean r"), 0.5);
   EXPECT_EQ(grains.number(0, "mean g"), 0.5);
   EXPECT_NEAR(run.output<Table>("table").number(2, "value"), -std::log2(std::sqrt(48 / pi)), 1e-12);
+  // The mean of φ of two sizes, of which the first has a quarter of the area.
+  Profiles two = profiles_of({{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {{2, 0}, {4, 0}, {4, 2}, {2, 2}}});
+  two.profiles.emplace_back().weight = 0;  // of no area, and at the border
+  two.profiles.back().contour = {{0, 0}, {1, 0}};
+  const auto phi = test::run_node("GrainSize", {{"profiles", Value::of(two)}}, {{"scale", "phi"}});
+  const auto& rows = phi.output<Table>("table");
+  EXPECT_EQ(std::get<std::string>(rows.rows[5][0]), "mean by number");
+  EXPECT_NEAR(rows.number(5, "value"), -(std::log2(2 / std::sqrt(pi)) + std::log2(4 / std::sqrt(pi))) / 2,
+              1e-12);
+  two.profiles.back().weight = 1;
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("GrainSize", {{"profiles", Value::of(two)}});
+            }),
+            "bad-profile");
   p.window = Vec2(21, 15);
   EXPECT_EQ(test::code_of([&] {
               test::run_node("GrainSize", {{"profiles", Value::of(p)}, {"image", Value::of(image)}});
