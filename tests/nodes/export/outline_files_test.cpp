@@ -232,6 +232,12 @@ TEST_F(OutlineFiles, BadOutlinesAreNamed) {
                              R"({"id":2,"width":10,"height":10,"pixel_size_mm":2}],"annotations":[)"
                              R"({"image_id":1,"segmentation":[[1,1,4,1,4,4]]}]})";
   EXPECT_EQ(failure("LoadLabels", written("a.json", scales)), "size-mismatch path");
+  for (const char* scale : {"1", "2"})
+    written(std::string("scale_") + scale + ".geojson",
+            R"({"picture":{"width":10,"height":10,"pixel_size_mm":)" + std::string(scale) + "}," +
+                geojson(square).substr(1));
+  EXPECT_EQ(failure("LoadLabels", folder / "scale_2.geojson"), "");
+  EXPECT_EQ(test::code_of([&] { load("LoadLabels", folder / "scale_*.geojson"); }), "size-mismatch");
 }
 
 TEST_F(OutlineFiles, CrossingsAtCornersAndHugeCoordinatesAreRefused) {
