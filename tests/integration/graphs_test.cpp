@@ -42,6 +42,28 @@ TEST(Graphs, AllAreFreeOfMistakes) {
   EXPECT_EQ(checked.exit_code, 0) << checked.err;
 }
 
+// Routes that were not asked for may fail, and write nothing.
+TEST(Graphs, AMaterialComesFromTheRouteThatWasAskedFor) {
+  const fs::path out = test::temporary_folder();
+  const auto r =
+      run_program({"run", (test::source_folder() / "graphs/library/material.yaml").string(), "--no-cache",
+                   "--out", out.string(), "--param", "route=exemplar", "--param", "resolution=16", "--set",
+                   "exemplar/solid.exemplar_size=64", "--set", "exemplar/block.samples=1", "--set",
+                   "exemplar/block.width=64", "--set", "exemplar/block.height=64"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.err.find("warning: particles/route.asked: 'exemplar' was asked for"), std::string::npos)
+      << r.err;
+  for (const char* file : {"routes.csv", "view.png", "preview.png", "contact_sheet.png", "material.vdb"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  EXPECT_FALSE(fs::exists(out / "material.glb"));
+  std::string header, phases, particles, exemplar;
+  std::ifstream table(out / "routes.csv");
+  for (std::string* line : {&header, &phases, &particles, &exemplar}) std::getline(table, *line);
+  EXPECT_EQ(phases.find("phases,no"), 0u);
+  EXPECT_EQ(particles.find("particles,no"), 0u);
+  EXPECT_EQ(exemplar.find("exemplar,yes"), 0u);
+}
+
 // The default graph at a small size.
 class DefaultGraph : public ::testing::Test {
  protected:
