@@ -1,4 +1,4 @@
-// Nodes that may fail: what does not need them goes on.
+// If a node that may fail does fail, the nodes that do not need it still run.
 #include <fstream>
 
 #include "graph/document/raw_document.h"

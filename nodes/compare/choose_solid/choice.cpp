@@ -62,9 +62,9 @@ Choice choose(const std::vector<Route>& routes) {
 }
 
 Choice take(const std::vector<Route>& routes, const std::string& name) {
-  const auto at = std::find_if(routes.begin(), routes.end(), [&](const Route& r) { return r.name == name; });
-  if (!at->reached) throw missing(fmt::format("route is '{}', which gave no solid", name)).parameter("route");
-  return {static_cast<std::size_t>(at - routes.begin()), "The parameter route asks for it."};
+  for (std::size_t k = 0; k < routes.size(); ++k)
+    if (routes[k].name == name && routes[k].reached) return {k, "The parameter route asks for it."};
+  throw missing(fmt::format("route is '{}', which gave no solid", name)).parameter("route");
 }
 
 }  // namespace terrazzo::choose_solid

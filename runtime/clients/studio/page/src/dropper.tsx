@@ -3,7 +3,7 @@ import type { Pen } from './pen';
 import type { Raster } from './raster';
 import { useStore } from './store';
 
-// Whoever waits for a color from a picture.
+// The color field that waits for a color picked from a picture.
 export interface Dropper { title: string; take: (color: string) => void }
 
 const end = () => useStore.setState({ dropper: null });
