@@ -28,9 +28,6 @@ struct Solved {
   std::vector<float> potential, flow;
 };
 
-// Bytes for a volume of this size.
-double conduction_bytes(const Vec3i& size);
-
 // The conductivity tensor of a map whose phases conduct `values`, ≥ 0 and not all zero, along the chosen
 // axes. With cell-centered finite volumes and harmonic means at faces. Fixed: the half voxel between the
 // outer voxels' centers and the face conducts as they do; only the diagonal is found. Pieces that do not

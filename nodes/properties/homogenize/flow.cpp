@@ -37,50 +37,61 @@ double dot(const Fields<A>& a, const Fields<B>& b, const Work& work) {
   return sum;
 }
 
-// The Stokes equations of a periodic box, with lengths in units of the shortest edge of a voxel.
+// The pores of a box. With a given pressure at both ends of an axis, the box has one more layer of voxels
+// before the first one: the velocities through the lower end lie in it, and nothing else does.
+struct Pores {
+  VoxelBox box;
+  int axis = -1;                    // with given pressures; −1: periodic
+  std::vector<std::uint8_t> fluid;  // 1 in the pores, 0 in the layer
+
+  bool at(Vec3i v) const {
+    for (int a = 0; a < 3; ++a) {
+      if (box.periodic) v[a] = (v[a] + box.size[a]) % box.size[a];
+      if (v[a] < 0 || v[a] >= box.size[a]) return false;
+    }
+    return fluid[voxel_at(v.x(), v.y(), v.z(), box.size)] != 0;
+  }
+};
+
+// The Stokes equations, with lengths in units of the shortest edge of a voxel. At an end with a given
+// pressure, the flow continues as its mirror image: the velocities through the end count half, as half of
+// their surroundings is outside, and the others are zero there.
 class Stokes {
  public:
-  Stokes(const VoxelBox& box, std::vector<std::uint8_t> open, const Work& work)
-      : n_(box.size), open_(std::move(open)), scale_(box.spacing.minCoeff() * box.spacing.cwiseInverse()) {
-    for (int a = 0; a < 3; ++a) {
-      active_[a].resize(open_.size());
-      for_rows(
-          [&](int y, int z) {
-            for (int x = 0; x < n_.x(); ++x) {
-              const std::size_t i = voxel_at(x, y, z, n_);
-              active_[a][i] = open_[i] && open_[moved({x, y, z}, a, 1)];
-            }
-          },
-          work);
-    }
-    for (int a = 0; a < 3; ++a) velocity_[a] = std::make_unique<Multigrid>(viscous(a, work), work.quiet());
-    Conductances darcy;
-    darcy.size = n_;
-    for (int a = 0; a < 3; ++a) darcy.face[a] = free_velocity(a, work);
-    pressure_ = std::make_unique<Multigrid>(std::move(darcy), work.quiet());
+  Stokes(const Pores& pores, std::uint64_t memory, const Work& work)
+      : axis_(pores.axis), scale_(pores.box.spacing.minCoeff() * pores.box.spacing.cwiseInverse()) {
+    const bool wraps = pores.box.periodic;
+    levels_ = std::make_shared<const std::vector<Cells>>(
+        levels_of(pores.box.size, {wraps, wraps, wraps}, open_voxels(pores), work));
+    require_memory(bytes(pores.box), memory, "the flow through the volume");
+    for (int a = 0; a < 3; ++a) find_active(a, work);
+    for (int a = 0; a < 3; ++a)
+      velocity_[a] = std::make_unique<Multigrid>(levels_, viscous(pores, a, work), work.quiet());
+    pressure_ = std::make_unique<Multigrid>(levels_, darcy(work), work.quiet());
   }
 
-  std::size_t count() const { return open_.size(); }
-  const std::vector<std::uint8_t>& active(int axis) const { return active_[axis]; }
+  const Cells& cells() const { return levels_->front(); }
+  std::size_t count() const { return cells().length(); }
+  int axis() const { return axis_; }
+  // How much of the surroundings of the velocity toward the next cell is inside: 0 if the next voxel is a
+  // wall.
+  double inside(int axis, std::size_t cell) const { return 0.5 * halves_[axis][cell]; }
 
   // out = (−Δu + ∇p, −∇·u)
   void apply(const Fields<float>& x, Fields<double>& out, const Work& work) const {
     for (int a = 0; a < 3; ++a) velocity_[a]->apply(x[a], out[a], work);
-    for_rows(
-        [&](int y, int z) {
-          for (int i = 0; i < n_.x(); ++i) {
-            const std::size_t at = voxel_at(i, y, z, n_);
-            double divergence = 0;
-            for (int a = 0; a < 3; ++a) {
-              if (active_[a][at])
-                out[a][at] += scale_[a] *
-                              (static_cast<double>(x[kPressure][moved({i, y, z}, a, 1)]) - x[kPressure][at]);
-              divergence += scale_[a] * (static_cast<double>(x[a][at]) - x[a][moved({i, y, z}, a, -1)]);
-            }
-            out[kPressure][at] = open_[at] ? -divergence : 0;
-          }
-        },
-        work);
+    const std::vector<float>& p = x[kPressure];
+    each_segment(cells(), work, [&](const Segment& s, int z) {
+      for (int i = 0; i < s.length; ++i) {
+        const std::size_t at = s.at + i;
+        double divergence = 0;
+        for (int a = 0; a < 3; ++a) {
+          if (halves_[a][at]) out[a][at] += scale_[a] * (static_cast<double>(p[s.next(a, i)]) - p[at]);
+          divergence += scale_[a] * (static_cast<double>(x[a][at]) - x[a][s.previous(a, i)]);
+        }
+        out[kPressure][at] = in_layer(s, i, z) ? 0 : -divergence;
+      }
+    });
   }
 
   void precondition(const Fields<double>& r, Fields<float>& z, const Work& work) const {
@@ -90,77 +101,123 @@ class Stokes {
   }
 
  private:
-  template <class Row>
-  void for_rows(Row&& row, const Work& work) const {
-    work.quiet().parallel(n_.z(), 2, [&](std::size_t begin, std::size_t end) {
-      for (int z = begin, stop = end; z < stop; ++z)
-        for (int y = 0; y < n_.y(); ++y) row(y, z);
-    });
+  bool in_layer(const Segment& s, int i, int z) const {
+    return axis_ >= 0 && coordinate(s, i, z, axis_) == 0;
+  }
+  bool at_end(const Segment& s, int i, int z) const {
+    return axis_ >= 0 && coordinate(s, i, z, axis_) + 1 == cells().size()[axis_];
   }
 
-  std::size_t moved(Vec3i at, int axis, int by) const {
-    at[axis] += by;
-    if (at[axis] == n_[axis]) at[axis] = 0;
-    if (at[axis] < 0) at[axis] = n_[axis] - 1;
-    return voxel_at(at.x(), at.y(), at.z(), n_);
+  // The pores, and the layer before those of the first voxels.
+  static std::vector<std::uint8_t> open_voxels(const Pores& pores) {
+    std::vector<std::uint8_t> out = pores.fluid;
+    if (pores.axis < 0) return out;
+    const Vec3i& n = pores.box.size;
+    Vec3i layer = n;
+    layer[pores.axis] = 1;
+    for (int z = 0; z < layer.z(); ++z)
+      for (int y = 0; y < layer.y(); ++y)
+        for (int x = 0; x < layer.x(); ++x)
+          out[voxel_at(x, y, z, n)] = pores.at(Vec3i(x, y, z) + Vec3i::Unit(pores.axis));
+    return out;
+  }
+
+  // Of each voxel: its phase here and at half the resolution, whether it is a pore (in the whole, connected
+  // and in the box), pressure and speed. Of each cell: three fields of doubles and five of floats, and the
+  // operators.
+  double bytes(const VoxelBox& box) const {
+    double out = 13.0 * box.count() + (4 * (3 * 8 + 5 * 4) + 3.0) * count() +
+                 3 * Multigrid::bytes(*levels_, true) + Multigrid::bytes(*levels_, axis_ >= 0);
+    for (const Cells& cells : *levels_) out += cells.bytes();
+    return out;
+  }
+
+  void find_active(int axis, const Work& work) {
+    halves_[axis].assign(count(), 0);
+    each_segment(cells(), work, [&](const Segment& s, int z) {
+      for (int i = 0; i < s.length; ++i) {
+        const bool through = axis == axis_ && (in_layer(s, i, z) || at_end(s, i, z));
+        const bool along = s.next(axis, i) >= cells().first() && (axis == axis_ || !in_layer(s, i, z));
+        halves_[axis][s.at + i] = through ? 1 : along ? 2 : 0;
+      }
+    });
   }
 
   // −Δ of the velocity along an axis. The next velocity along another axis lies between two voxels: if both
   // are walls, the wall is only half an edge away.
-  Conductances viscous(int axis, const Work& work) const {
+  Conductances viscous(const Pores& pores, int axis, const Work& work) const {
     Conductances out;
-    out.size = n_;
     for (auto& f : out.face) f.assign(count(), 0);
     out.sink.assign(count(), 0);
-    for_rows(
-        [&](int y, int z) {
-          for (int x = 0; x < n_.x(); ++x) {
-            const Vec3i at(x, y, z);
-            const std::size_t i = voxel_at(x, y, z, n_);
-            if (!active_[axis][i]) continue;
-            for (int b = 0; b < 3; ++b)
-              for (const int by : {-1, 1}) {
-                const std::size_t j = moved(at, b, by);
-                const float weight = scale_[b] * scale_[b];
-                if (active_[axis][j]) {
-                  if (by == 1) out.face[b][i] = weight;
-                  continue;
-                }
-                Vec3i beside = at;
-                beside[axis] = beside[axis] + 1 == n_[axis] ? 0 : beside[axis] + 1;
-                const bool walls = b != axis && !open_[j] && !open_[moved(beside, b, by)];
-                out.sink[i] += (walls ? 2 : 1) * weight;
-              }
+    const std::vector<std::uint8_t>& halves = halves_[axis];
+    each_segment(cells(), work, [&](const Segment& s, int z) {
+      for (int i = 0; i < s.length; ++i) {
+        const std::size_t cell = s.at + i;
+        const Vec3i at(s.x + i, s.y, z);
+        if (halves[cell] == 0) continue;
+        for (int b = 0; b < 3; ++b) {
+          const float weight =
+              static_cast<float>(scale_[b] * scale_[b]) * (b == axis ? 1.0F : 0.5F * halves[cell]);
+          for (const int by : {-1, 1}) {
+            if (halves[by == 1 ? s.next(b, i) : s.previous(b, i)] > 0) {
+              if (by == 1) out.face[b][cell] = weight;
+              continue;
+            }
+            const bool mirrored =
+                b == axis && axis == axis_ && (by == 1 ? at_end(s, i, z) : in_layer(s, i, z));
+            if (mirrored) continue;
+            const Vec3i beside = at + by * Vec3i::Unit(b);
+            const bool walls = b != axis && !pores.at(beside) && !pores.at(beside + Vec3i::Unit(axis));
+            out.sink[cell] += (walls ? 2 : 1) * weight;
           }
-        },
-        work);
-    return out;
-  }
-
-  // The velocity along an axis, in the pores, of a fluid that may have sources: a local permeability.
-  std::vector<float> free_velocity(int axis, const Work& work) const {
-    std::vector<double> b(count()), x;
-    each(count(), work, [&](std::size_t i) { b[i] = active_[axis][i]; });
-    solve(*velocity_[axis], b, 0, x, {kRough, kManyTimes}, work.quiet());
-    std::vector<float> out(count());
-    each(count(), work, [&](std::size_t i) {
-      out[i] = active_[axis][i] ? static_cast<float>(std::max(0.0, x[i]) * scale_[axis] * scale_[axis]) : 0;
+        }
+      }
     });
     return out;
   }
 
-  Vec3i n_;
-  std::vector<std::uint8_t> open_, active_[3];
+  // The velocity along an axis, in the pores, of a fluid that may have sources: a local permeability.
+  std::vector<double> free_velocity(int axis, const Work& work) const {
+    std::vector<double> b(count()), x;
+    each(count(), work, [&](std::size_t i) { b[i] = inside(axis, i); });
+    solve(*velocity_[axis], b, 0, x, {kRough, kManyTimes}, work.quiet());
+    each(count(), work, [&](std::size_t i) { x[i] = std::max(0.0, x[i]) * scale_[axis] * scale_[axis]; });
+    return x;
+  }
+
+  // Darcy's law in the pores. A given pressure lies at the end of an axis, half an edge away.
+  Conductances darcy(const Work& work) const {
+    Conductances out;
+    if (axis_ >= 0) out.sink.assign(count(), 0);
+    for (int a = 0; a < 3; ++a) {
+      const std::vector<double> local = free_velocity(a, work);
+      out.face[a].assign(count(), 0);
+      each_segment(cells(), work, [&](const Segment& s, int z) {
+        for (int i = 0; i < s.length; ++i) {
+          const std::size_t cell = s.at + i, before = s.previous(a, i);
+          if (halves_[a][cell] == 2) out.face[a][cell] = static_cast<float>(local[cell]);
+          if (a != axis_ || in_layer(s, i, z)) continue;
+          if (coordinate(s, i, z, a) == 1) out.sink[cell] += static_cast<float>(2 * local[before]);
+          if (at_end(s, i, z)) out.sink[cell] += static_cast<float>(2 * local[cell]);
+        }
+      });
+    }
+    return out;
+  }
+
+  int axis_;
   Vec3 scale_;  // shortest edge / edge
+  std::shared_ptr<const std::vector<Cells>> levels_;
+  std::vector<std::uint8_t> halves_[3];  // twice inside()
   std::unique_ptr<Multigrid> velocity_[3], pressure_;
 };
 
-// Minimizes the residual over growing Krylov spaces (Paige and Saunders 1975; Elman, Silvester and Wathen
-// 2014, algorithm 4.1).
-Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>& x, const Accuracy& accuracy,
+// Solves system · x = v: minimizes the residual over growing Krylov spaces (Paige and Saunders 1975; Elman,
+// Silvester and Wathen 2014, algorithm 4.1).
+Convergence minres(const Stokes& system, Fields<double> v, Fields<float>& x, const Accuracy& accuracy,
                    const Work& work) {
   const std::size_t n = system.count();
-  Fields<double> before = zero_fields<double>(n), v = b, next = zero_fields<double>(n);
+  Fields<double> before = zero_fields<double>(n), next = zero_fields<double>(n);
   Fields<float> z = zero_fields<float>(n), fresh = zero_fields<float>(n), older = zero_fields<float>(n),
                 old = zero_fields<float>(n);
   system.precondition(v, z, work);
@@ -207,131 +264,105 @@ Convergence minres(const Stokes& system, const Fields<double>& b, Fields<float>&
 }
 
 // Speed at the centers of voxels.
-std::vector<float> speed_of(const Fields<float>& x, const Vec3i& n, const Work& work) {
-  std::vector<float> out(voxels_in(n));
-  const std::size_t step[3] = {1, static_cast<std::size_t>(n.x()), pixels_in(n.x(), n.y())};
-  each(out.size(), work, [&](std::size_t i) {
-    double sum = 0;
-    for (int a = 0; a < 3; ++a) {
-      const bool first = i / step[a] % n[a] == 0;
-      const std::size_t behind = first ? i + (n[a] - 1) * step[a] : i - step[a];
-      sum += std::pow(0.5 * (static_cast<double>(x[a][i]) + x[a][behind]), 2);
+std::vector<float> speed_of(const Cells& cells, const Fields<float>& x, const Work& work) {
+  std::vector<float> out(cells.length(), 0);
+  each_segment(cells, work, [&](const Segment& s, int) {
+    for (int i = 0; i < s.length; ++i) {
+      double sum = 0;
+      for (int a = 0; a < 3; ++a)
+        sum += std::pow(0.5 * (static_cast<double>(x[a][s.at + i]) + x[a][s.previous(a, i)]), 2);
+      out[s.at + i] = static_cast<float>(std::sqrt(sum));
     }
-    out[i] = std::sqrt(sum);
   });
   return out;
 }
 
-// The voxels and their mirror image along an axis, with a wall around the others, in a periodic box. By
-// symmetry, the pressure is constant on both mirrors, and the velocity is normal to them.
-struct Mirrored {
-  VoxelBox box;
-  std::vector<std::uint8_t> open;
-};
+Vec3i layer_before(int axis) { return axis < 0 ? Vec3i::Zero() : Vec3i(Vec3i::Unit(axis)); }
 
-Vec3i mirrored_size(const Vec3i& size, int axis) {
-  Vec3i out = size + Vec3i::Ones();
-  out[axis] = 2 * size[axis];
+// The pores of a volume, with one more layer if an axis has given pressures at its ends.
+Pores pores_of(const VoxelBox& box, const std::vector<std::uint8_t>& open, int axis, const Work& work) {
+  Pores out{box, axis, {}};
+  const Vec3i layer = layer_before(axis);
+  out.box.size += layer;
+  out.fluid.assign(out.box.count(), 0);
+  const Vec3i& n = box.size;
+  work.parallel(n.z(), 1, [&](std::size_t plane, std::size_t) {
+    const int z = static_cast<int>(plane);
+    for (int y = 0; y < n.y(); ++y) {
+      const std::uint8_t* row = &open[voxel_at(0, y, z, n)];
+      std::copy(row, row + n.x(),
+                &out.fluid[voxel_at(layer.x(), y + layer.y(), z + layer.z(), out.box.size)]);
+    }
+  });
   return out;
 }
 
-Mirrored mirrored(const VoxelBox& box, const std::vector<std::uint8_t>& open, int axis, const Work& work) {
-  Mirrored out;
-  out.box = box;
-  out.box.periodic = true;
-  out.box.size = mirrored_size(box.size, axis);
-  const Vec3i& n = out.box.size;
-  out.open.assign(voxels_in(n), 0);
-  for (int z = 0; z < n.z(); ++z) {
-    work.check();
-    for (int y = 0; y < n.y(); ++y)
-      for (int x = 0; x < n.x(); ++x) {
-        Vec3i at(x, y, z);
-        if (at[axis] >= box.size[axis]) at[axis] = n[axis] - 1 - at[axis];
-        if ((at.array() < box.size.array()).all())
-          out.open[voxel_at(x, y, z, n)] = open[voxel_at(at.x(), at.y(), at.z(), box.size)];
-      }
-  }
+// Values of cells at the voxels of the volume, times a factor.
+std::vector<float> of_volume(const Stokes& system, const std::vector<float>& values, double factor,
+                             const Work& work) {
+  std::vector<float> out = of_voxels(system.cells(), values, work);
+  for (float& v : out) v *= static_cast<float>(factor);
+  if (system.axis() < 0) return out;
+  const Vec3i &n = system.cells().size(), layer = layer_before(system.axis()), m = n - layer;
+  std::size_t to = 0;  // never behind what it is copied from
+  for (int z = 0; z < m.z(); ++z)
+    for (int y = 0; y < m.y(); ++y, to += m.x()) {
+      const std::size_t from = voxel_at(layer.x(), y + layer.y(), z + layer.z(), n);
+      std::copy(&out[from], &out[from] + m.x(), &out[to]);
+    }
+  out.resize(voxels_in(m));
   return out;
 }
 
-template <class T>
-std::vector<T> cropped(const std::vector<T>& values, const Vec3i& from, const Vec3i& to) {
-  std::vector<T> out(voxels_in(to));
-  for (int z = 0; z < to.z(); ++z)
-    for (int y = 0; y < to.y(); ++y)
-      for (int x = 0; x < to.x(); ++x) out[voxel_at(x, y, z, to)] = values[voxel_at(x, y, z, from)];
-  return out;
-}
-
-// `size`: of the volume without its mirror image and walls; velocities are means over it.
-void solve_axis(const Stokes& system, const VoxelBox& box, const Vec3i& size, int axis,
-                const Accuracy& accuracy, Solved& out, const Work& work) {
+void solve_axis(const Stokes& system, const VoxelBox& box, int axis, const Accuracy& accuracy, Solved& out,
+                const Work& work) {
   Fields<double> b = zero_fields<double>(system.count());
-  each(system.count(), work, [&](std::size_t i) { b[axis][i] = system.active(axis)[i]; });
+  each(system.count(), work, [&](std::size_t i) { b[axis][i] = system.inside(axis, i); });
   Fields<float> x = zero_fields<float>(system.count());
-  const Convergence c = minres(system, b, x, accuracy, work);
+  const Convergence c = minres(system, std::move(b), x, accuracy, work);
   out.iterations = std::max(out.iterations, c.iterations);
   out.residual = std::max(out.residual, c.residual);
-  const double unit = std::pow(box.spacing.minCoeff(), 2);
-  const double counted = static_cast<double>(voxels_in(size)) * box.size[axis] / size[axis];
+  const double shortest = box.spacing.minCoeff(), unit = shortest * shortest;
   for (int a = 0; a < 3; ++a) {
-    if (box.size != size && a != axis) continue;
-    out.effective(a, axis) = unit * sum_of(x[a], work) / counted;
+    if (!box.periodic && a != axis) continue;
+    const double flow = sum_over(system.cells(), work, [&](const Segment& s, int i, int) {
+      return system.inside(a, s.at + i) * x[a][s.at + i];
+    });
+    out.effective(a, axis) = unit * flow / static_cast<double>(box.count());
   }
   if (!out.potential.empty()) return;
-  out.flow = cropped(speed_of(x, box.size, work), box.size, size);
-  out.potential = cropped(x[kPressure], box.size, size);
-  for (float& v : out.flow) v *= static_cast<float>(unit);
-  for (float& v : out.potential) v *= static_cast<float>(box.spacing.minCoeff());
+  out.flow = of_volume(system, speed_of(system.cells(), x, work), unit, work);
+  out.potential = of_volume(system, x[kPressure], shortest, work);
 }
 
 }  // namespace
 
-double flow_bytes(const Vec3i& size) {
-  // Three fields of doubles and five of floats; the operators; masks, potential and flow.
-  return voxels_in(size) * (4 * (4 * 8 + 5 * 4) + 8 + 16.0) +
-         4 * (Multigrid::bytes(size) + 4.0 * voxels_in(size));
-}
-
 Solved permeate(const PhaseMap& map, const std::vector<char>& open, Boundary boundary,
                 const std::array<bool, 3>& directions, const Accuracy& accuracy, std::uint64_t memory,
                 const Work& work) {
-  double bytes = 0;
-  for (int a = 0; a < 3; ++a)
-    if (directions[a])
-      bytes = std::max(
-          bytes, flow_bytes(boundary == Boundary::Fixed ? mirrored_size(map.box.size, a) : map.box.size));
-  require_memory(bytes, memory, "the flow through the volume");
+  require_memory(kLevelBytes * map.box.count(), memory, "the flow through the volume");
   std::vector<std::uint8_t> pores(map.phase.size());
   each(pores.size(), work, [&](std::size_t i) { pores[i] = open[map.phase[i]]; });
   VoxelBox box = map.box;
   box.periodic = boundary == Boundary::Periodic;
   Solved out;
   const int count = directions[0] + directions[1] + directions[2];
-  int done = 0;
-  std::unique_ptr<Stokes> shared;
-  for (int a = 0; a < 3; ++a) {
+  std::unique_ptr<Stokes> system;  // of a periodic box: the same for all directions
+  for (int a = 0, done = 0; a < 3; ++a) {
     if (!directions[a]) continue;
     const Work part = work.part(static_cast<double>(done) / count, (done + 1.0) / count);
     ++done;
-    std::array<bool, 3> axes{true, true, true};
-    if (!box.periodic) {
-      axes = {};
-      axes[a] = true;
+    if (!system || !box.periodic) {
+      system.reset();
+      const std::array<bool, 3> axes{box.periodic || a == 0, box.periodic || a == 1, box.periodic || a == 2};
+      const Connected connected = connected_across(pores, box, axes, work.quiet());
+      for (int k = 0; k < 3; ++k)
+        if (axes[k]) out.connected[k] = connected.along[k];
+      if (!out.connected[a] && !box.periodic) continue;
+      system = std::make_unique<Stokes>(pores_of(box, connected.voxels, box.periodic ? -1 : a, work.quiet()),
+                                        memory, work.quiet());
     }
-    if (!shared || !box.periodic) {
-      Connected connected = connected_across(pores, box, axes, work.quiet());
-      out.connected[a] = connected.along[a];
-      if (box.periodic) {
-        out.connected = connected.along;
-        shared = std::make_unique<Stokes>(box, std::move(connected.voxels), work.quiet());
-      } else if (out.connected[a]) {
-        const Mirrored m = mirrored(box, connected.voxels, a, part);
-        solve_axis(Stokes(m.box, m.open, work.quiet()), m.box, box.size, a, accuracy, out, part);
-      }
-    }
-    if (box.periodic && out.connected[a]) solve_axis(*shared, box, box.size, a, accuracy, out, part);
+    if (out.connected[a]) solve_axis(*system, box, a, accuracy, out, part);
   }
   return out;
 }

@@ -9,9 +9,6 @@
 
 namespace terrazzo::homogenize {
 
-// Bytes for the flow through a periodic box of this size; fixed pressures need a box of twice the size.
-double flow_bytes(const Vec3i& size);
-
 // The permeability tensor in mm² of the phases with open[phase], along the chosen axes: the mean velocity for
 // a mean pressure gradient of 1 and a viscosity of 1. Velocities lie on the faces of voxels (Harlow and Welch
 // 1965), and vanish on the walls, which are the faces of voxels that are not open. Fixed: a given pressure on

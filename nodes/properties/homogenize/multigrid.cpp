@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/data/indices.h"
 #include "nodes/properties/homogenize/vectors.h"
 
 namespace terrazzo::homogenize {
 namespace {
 
-constexpr int kFewest = 4;  // cells along each axis of the coarsest level
 constexpr int kCoarsestSweeps = 16;
 constexpr int kSweeps = 2;              // before and after each correction
 constexpr double kLeastEnergy = 1e-12;  // of one step to the next, so that rounding leaves some
@@ -18,99 +16,81 @@ constexpr int kVisits = 2;              // of the coarser level: a W-cycle
 // is enlarged accordingly, by a little less than two (Braess 1995).
 constexpr float kEnlarged = 1.9F;
 
-std::size_t grain_of(const Vec3i& size) {  // planes of one range: at least 2¹⁵ cells
-  return std::max<std::size_t>(1, (1 << 15) / pixels_in(size.x(), size.y()));
-}
-
-// The rows of a level: where the neighbors of row (y, z) begin.
-struct Row {
-  std::size_t at, south, north, below, above;
-  Row(const Vec3i& n, int y, int z) {
-    at = voxel_at(0, y, z, n);
-    south = voxel_at(0, y == 0 ? n.y() - 1 : y - 1, z, n);
-    north = voxel_at(0, y == n.y() - 1 ? 0 : y + 1, z, n);
-    below = voxel_at(0, y, z == 0 ? n.z() - 1 : z - 1, n);
-    above = voxel_at(0, y, z == n.z() - 1 ? 0 : z + 1, n);
-  }
-};
-
-// Σ g x(j) over the neighbors of cell x of a row, of which `west` and `east` are the neighbors along x.
-template <class Level, class Values>
-inline auto neighbors(const Level& l, const Values& v, const Row& row, int x, int west, int east) {
+// Σ g value(x(j)) over the neighbors j of cell i of a segment, of which `west` and `east` are those along x.
+template <class Level, class T, class Value>
+inline auto sum_of_neighbors(const Level& l, const Segment& s, std::size_t i, std::size_t west,
+                             std::size_t east, const T* x, Value&& value) {
   const float *gx = l.face[0].data(), *gy = l.face[1].data(), *gz = l.face[2].data();
-  return gx[row.at + west] * v[row.at + west] + gx[row.at + x] * v[row.at + east] +
-         gy[row.south + x] * v[row.south + x] + gy[row.at + x] * v[row.north + x] +
-         gz[row.below + x] * v[row.below + x] + gz[row.at + x] * v[row.above + x];
+  const std::size_t at = s.at + i, south = s.south + i, below = s.below + i;
+  return gx[west] * value(x[west]) + gx[at] * value(x[east]) + gy[south] * value(x[south]) +
+         gy[at] * value(x[s.north + i]) + gz[below] * value(x[below]) + gz[at] * value(x[s.above + i]);
 }
 
-// Calls visit(x, west, east) for x = first, first + step … below n.
+template <class Level>
+inline float sum_of_neighbors(const Level& l, const Segment& s, std::size_t i, std::size_t west,
+                              std::size_t east) {
+  return sum_of_neighbors(l, s, i, west, east, l.x.data(), [](float v) { return v; });
+}
+
+// Calls visit(i, west, east) for cells i = first, first + step … of a segment.
 template <class Visit>
-inline void along_row(int n, int first, int step, Visit&& visit) {
-  int x = first;
-  if (x == 0 && n > 0) {
-    visit(0, n - 1, n > 1 ? 1 : 0);
-    x = step;
+inline void along(const Segment& s, std::size_t first, std::size_t step, Visit&& visit) {
+  const std::size_t at = s.at, last = s.length - 1;
+  std::size_t i = first;
+  if (i == 0) {
+    visit(0, s.west, last > 0 ? at + 1 : s.east);
+    i = step;
   }
-  for (; x < n - 1; x += step) visit(x, x - 1, x + 1);
-  if (x == n - 1) visit(x, x - 1, 0);
+  for (; i < last; i += step) visit(i, at + i - 1, at + i + 1);
+  if (i == last) visit(i, at + i - 1, s.east);
 }
 
 }  // namespace
 
-double Multigrid::bytes(const Vec3i& size) {
-  double cells = 0;
-  for (Vec3i n = size;; n = (n.array() + 1) / 2) {
-    cells += voxels_in(n);
-    if (n.maxCoeff() <= kFewest) return 28 * cells;
-  }
+double Multigrid::bytes(const std::vector<Cells>& levels, bool sink) {
+  double values = 0;
+  for (const Cells& cells : levels) values += static_cast<double>(cells.length());
+  return (sink ? 28 : 24) * values;
 }
 
-Multigrid::Multigrid(Conductances fine, const Work& work) {
-  Level first;
-  first.size = fine.size;
-  for (int a = 0; a < 3; ++a) first.face[a] = std::move(fine.face[a]);
-  first.sink = std::move(fine.sink);
-  levels_.push_back(std::move(first));
-  while (levels_.back().size.maxCoeff() > kFewest) levels_.push_back(coarser(levels_.back(), work));
-  for (Level& l : levels_) {
-    set_inverse(l, work);
-    l.x.resize(voxels_in(l.size));
-    l.b.resize(voxels_in(l.size));
-  }
+Multigrid::Multigrid(std::shared_ptr<const std::vector<Cells>> cells, Conductances fine, const Work& work)
+    : cells_(std::move(cells)) {
+  levels_.push_back(level_of(cells_->front(), std::move(fine), work));
+  for (std::size_t k = 1; k < cells_->size(); ++k)
+    levels_.push_back(level_of((*cells_)[k], merged(levels_.back(), (*cells_)[k], work), work));
 }
 
-void Multigrid::set_inverse(Level& l, const Work& work) {
-  l.inverse.resize(voxels_in(l.size));
-  work.parallel(l.size.z(), grain_of(l.size), [&](std::size_t begin, std::size_t end) {
-    const struct {
-      float operator[](std::size_t) const { return 1; }
-    } ones;
-    for (int z = begin, stop = end; z < stop; ++z)
-      for (int y = 0; y < l.size.y(); ++y) {
-        const Row row(l.size, y, z);
-        along_row(l.size.x(), 0, 1, [&](int x, int west, int east) {
-          const float sum =
-              neighbors(l, ones, row, x, west, east) + (l.sink.empty() ? 0 : l.sink[row.at + x]);
-          l.inverse[row.at + x] = sum > 0 ? 1 / sum : 0;
-        });
-      }
+Multigrid::Level Multigrid::level_of(const Cells& cells, Conductances c, const Work& work) const {
+  Level l;
+  l.cells = &cells;
+  for (int a = 0; a < 3; ++a) l.face[a] = std::move(c.face[a]);
+  l.sink = std::move(c.sink);
+  for (auto* values : {&l.inverse, &l.x, &l.b}) values->assign(cells.length(), 0);
+  each_segment(cells, work, [&](const Segment& s, int) {
+    along(s, 0, 1, [&](std::size_t i, std::size_t west, std::size_t east) {
+      const float sum = sum_of_neighbors(l, s, i, west, east, l.x.data(), [](float) { return 1.0F; }) +
+                        (l.sink.empty() ? 0 : l.sink[s.at + i]);
+      l.inverse[s.at + i] = sum > 0 ? 1 / sum : 0;
+    });
   });
+  return l;
 }
 
-Multigrid::Level Multigrid::coarser(const Level& fine, const Work& work) {
-  Level out;
-  for (int a = 0; a < 3; ++a) out.size[a] = fine.size[a] > 1 ? (fine.size[a] + 1) / 2 : 1;
-  const std::size_t count = voxels_in(out.size);
-  for (auto& f : out.face) f.assign(count, 0);
-  if (!fine.sink.empty()) out.sink.assign(count, 0);
-  work.parallel(out.size.z(), grain_of(out.size), [&](std::size_t begin, std::size_t end) {
-    for (int z = 2 * begin; z < std::min<int>(2 * end, fine.size.z()); ++z)
-      for (int y = 0; y < fine.size.y(); ++y)
-        for (int x = 0; x < fine.size.x(); ++x) {
-          const std::size_t from = voxel_at(x, y, z, fine.size), to = voxel_at(x / 2, y / 2, z / 2, out.size);
-          const Vec3i at(x, y, z);
-          for (int a = 0; a < 3; ++a)  // faces inside of a merged cell disappear
-            if (at[a] % 2 == 1 || at[a] == fine.size[a] - 1) out.face[a][to] += fine.face[a][from];
+// Faces inside of a merged cell disappear, the others add up.
+Conductances Multigrid::merged(const Level& fine, const Cells& coarse, const Work& work) {
+  Conductances out;
+  for (auto& f : out.face) f.assign(coarse.length(), 0);
+  if (!fine.sink.empty()) out.sink.assign(coarse.length(), 0);
+  const Vec3i& n = fine.cells->size();
+  const auto leaves = [&](int axis, int at) { return at % 2 == 1 || at == n[axis] - 1; };
+  work.parallel(coarse.size().z(), coarse.grain(), [&](std::size_t begin, std::size_t end) {
+    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), n.z()); ++z)
+      for (const Segment& s : fine.cells->plane(z))
+        for (int i = 0; i < s.length; ++i) {
+          const std::size_t from = s.at + i, to = s.parent + (s.x % 2 + i) / 2;
+          if (leaves(0, s.x + i)) out.face[0][to] += fine.face[0][from];
+          if (leaves(1, s.y)) out.face[1][to] += fine.face[1][from];
+          if (leaves(2, z)) out.face[2][to] += fine.face[2][from];
           if (!fine.sink.empty()) out.sink[to] += fine.sink[from];
         }
   });
@@ -118,68 +98,38 @@ Multigrid::Level Multigrid::coarser(const Level& fine, const Work& work) {
 }
 
 // One sweep of Gauss–Seidel, color by color. Neighbors have different colors: that of the sum of their
-// coordinates, and others on the last plane of an axis with an odd number of cells, whose next plane is the
-// first.
+// coordinates, and others on the last plane of an axis that wraps around an odd number of cells.
 void Multigrid::smooth(Level& l, bool forward, const Work& work) {
-  const Vec3i& n = l.size;
-  int odd = 0;
-  for (int a = 0; a < 3; ++a) odd += n[a] > 1 && n[a] % 2 == 1;
-  const auto last = [&](int a, int at) { return n[a] > 1 && n[a] % 2 == 1 && at == n[a] - 1; };
-  const int colors = 2 * (odd + 1);
+  const int colors = 2 * (l.cells->seams() + 1);
   for (int k = 0; k < colors; ++k) {
     const int color = forward ? k : colors - 1 - k, parity = color % 2, seams = color / 2;
-    work.parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
-      for (int z = begin, stop = end; z < stop; ++z)
-        for (int y = 0; y < n.y(); ++y) {
-          const int count = last(1, y) + last(2, z), offset = (y + z + parity) % 2;
-          const Row row(n, y, z);
-          const auto update = [&](int x, int west, int east) {
-            l.x[row.at + x] =
-                (l.b[row.at + x] + neighbors(l, l.x, row, x, west, east)) * l.inverse[row.at + x];
-          };
-          const bool seam = n.x() > 1 && n.x() % 2 == 1;
-          if (!seam) {
-            if (count == seams) along_row(n.x(), offset, 2, update);
-          } else if (count == seams) {
-            for (int x = offset; x < n.x() - 1; x += 2) update(x, x == 0 ? n.x() - 1 : x - 1, x + 1);
-          } else if (count + 1 == seams && offset == 0) {
-            update(n.x() - 1, n.x() - 2, 0);
-          }
-        }
+    each_segment(*l.cells, work, [&](const Segment& s, int z) {
+      if (s.seams != seams) return;
+      along(s, (s.x + s.y + z + parity) % 2, 2, [&](std::size_t i, std::size_t west, std::size_t east) {
+        l.x[s.at + i] = (l.b[s.at + i] + sum_of_neighbors(l, s, i, west, east)) * l.inverse[s.at + i];
+      });
     });
   }
 }
 
 void Multigrid::restrict_residual(const Level& fine, Level& coarse, const Work& work) {
-  const Vec3i &n = fine.size, &m = coarse.size;
-  work.parallel(m.z(), grain_of(m), [&](std::size_t begin, std::size_t end) {
-    std::fill(coarse.b.begin() + begin * pixels_in(m.x(), m.y()),
-              coarse.b.begin() + end * pixels_in(m.x(), m.y()), 0);
-    std::vector<float> residual(n.x());
-    for (int z = 2 * begin; z < std::min<int>(2 * end, n.z()); ++z)
-      for (int y = 0; y < n.y(); ++y) {
-        const Row row(n, y, z);
-        along_row(n.x(), 0, 1, [&](int x, int west, int east) {
-          const std::size_t i = row.at + x;
-          const float inverse = fine.inverse[i];
-          residual[x] =
-              inverse > 0 ? fine.b[i] + neighbors(fine, fine.x, row, x, west, east) - fine.x[i] / inverse : 0;
+  const Vec3i &n = fine.cells->size(), &m = coarse.cells->size();
+  std::fill(coarse.b.begin(), coarse.b.end(), 0);
+  work.parallel(m.z(), coarse.cells->grain(), [&](std::size_t begin, std::size_t end) {
+    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), n.z()); ++z)
+      for (const Segment& s : fine.cells->plane(z))
+        along(s, 0, 1, [&](std::size_t i, std::size_t west, std::size_t east) {
+          const float inverse = fine.inverse[s.at + i];
+          if (inverse > 0)
+            coarse.b[s.parent + (s.x % 2 + i) / 2] +=
+                fine.b[s.at + i] + sum_of_neighbors(fine, s, i, west, east) - fine.x[s.at + i] / inverse;
         });
-        float* to = coarse.b.data() + voxel_at(0, y / 2, z / 2, m);
-        for (int x = 0; x < n.x(); ++x) to[x / 2] += residual[x];
-      }
   });
 }
 
 void Multigrid::correct(Level& fine, const Level& coarse, const Work& work) {
-  const Vec3i& n = fine.size;
-  work.parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
-    for (int z = begin, stop = end; z < stop; ++z)
-      for (int y = 0; y < n.y(); ++y) {
-        float* to = fine.x.data() + voxel_at(0, y, z, n);
-        const float* from = coarse.x.data() + voxel_at(0, y / 2, z / 2, coarse.size);
-        for (int x = 0; x < n.x(); ++x) to[x] += kEnlarged * from[x / 2];
-      }
+  each_segment(*fine.cells, work, [&](const Segment& s, int) {
+    for (int i = 0; i < s.length; ++i) fine.x[s.at + i] += kEnlarged * coarse.x[s.parent + (s.x % 2 + i) / 2];
   });
 }
 
@@ -211,23 +161,13 @@ void Multigrid::precondition(const std::vector<double>& r, std::vector<float>& z
 template <class T>
 void Multigrid::apply(const std::vector<T>& x, std::vector<double>& y, const Work& work) const {
   const Level& l = levels_[0];
-  const Vec3i& n = l.size;
-  work.quiet().parallel(n.z(), grain_of(n), [&](std::size_t begin, std::size_t end) {
-    const float *gx = l.face[0].data(), *gy = l.face[1].data(), *gz = l.face[2].data();
-    for (int z = begin, stop = end; z < stop; ++z)
-      for (int j = 0; j < n.y(); ++j) {
-        const Row row(n, j, z);
-        along_row(n.x(), 0, 1, [&](int i, int west, int east) {
-          const double v = x[row.at + i];
-          const double sum =
-              gx[row.at + west] * (v - x[row.at + west]) + gx[row.at + i] * (v - x[row.at + east]) +
-              gy[row.south + i] * (v - x[row.south + i]) + gy[row.at + i] * (v - x[row.north + i]) +
-              gz[row.below + i] * (v - x[row.below + i]) + gz[row.at + i] * (v - x[row.above + i]);
-          y[row.at + i] = sum;
-        });
-        if (!l.sink.empty())
-          for (int i = 0; i < n.x(); ++i) y[row.at + i] += l.sink[row.at + i] * x[row.at + i];
-      }
+  each_segment(*l.cells, work, [&](const Segment& s, int) {
+    along(s, 0, 1, [&](std::size_t i, std::size_t west, std::size_t east) {
+      const double v = x[s.at + i];
+      y[s.at + i] = sum_of_neighbors(l, s, i, west, east, x.data(), [&](T there) { return v - there; });
+    });
+    if (!l.sink.empty())
+      for (std::size_t i = s.at; i < static_cast<std::size_t>(s.at) + s.length; ++i) y[i] += l.sink[i] * x[i];
   });
 }
 template void Multigrid::apply(const std::vector<float>&, std::vector<double>&, const Work&) const;

@@ -1,54 +1,54 @@
-// Linear systems on a periodic voxel grid in which each cell exchanges something with its six neighbors.
+// Linear systems in which each cell of a voxel grid exchanges something with its six neighbors.
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "nodes/data/linear.h"
+#include "nodes/properties/homogenize/cells.h"
 #include "nodes/properties/homogenize/convergence.h"
 #include "runtime/work.h"
 
 namespace terrazzo::homogenize {
 
-// The operator (A x)(i) = Σ g (x(i) − x(j)) + s(i) x(i) over the neighbors j of cell i. Cells are stored x
-// fastest.
+// The operator (A x)(i) = Σ g (x(i) − x(j)) + s(i) x(i) over the neighbors j of cell i.
 struct Conductances {
-  Vec3i size = Vec3i::Zero();
-  // At cell i, the conductance of the face to the next cell along x, y and z; the last one faces the first.
-  std::vector<float> face[3];
-  std::vector<float> sink;  // s; empty: zero everywhere
+  std::vector<float> face[3];  // g, of each cell, to the next cell along x, y and z; 0 if that is absent
+  std::vector<float> sink;     // s; empty: zero everywhere
 };
 
 // A preconditioner for it: one W-cycle of multigrid on cells merged by 2 × 2 × 2, in single precision, with
 // Gauss–Seidel sweeps in colors. It is symmetric and positive, and does not depend on the number of threads.
 class Multigrid {
  public:
-  Multigrid(Conductances, const Work&);
+  Multigrid(std::shared_ptr<const std::vector<Cells>>, Conductances, const Work&);
 
-  const Vec3i& size() const { return levels_[0].size; }
-  std::size_t count() const { return levels_[0].inverse.size(); }
+  const Cells& cells() const { return cells_->front(); }
+  // g of the faces across an axis, as in Conductances.
+  const std::vector<float>& face(int axis) const { return levels_[0].face[axis]; }
   // y = A x, in double precision. T: float or double.
   template <class T>
   void apply(const std::vector<T>& x, std::vector<double>& y, const Work&) const;
   // z ≈ A⁻¹ r, of equal size.
   void precondition(const std::vector<double>& r, std::vector<float>& z, const Work&);
 
-  // Bytes for a grid of this size, of 28 for each cell, and for coarser ones.
-  static double bytes(const Vec3i& size);
+  // Bytes that a system on these cells needs beside them.
+  static double bytes(const std::vector<Cells>&, bool sink);
 
  private:
   struct Level {
-    Vec3i size = Vec3i::Zero();
+    const Cells* cells = nullptr;
     std::vector<float> face[3], sink;
     std::vector<float> inverse;  // of the diagonal, 0 where that is 0
     std::vector<float> x, b;
   };
-  static Level coarser(const Level&, const Work&);
-  static void set_inverse(Level&, const Work&);
+  Level level_of(const Cells&, Conductances, const Work&) const;
+  static Conductances merged(const Level& fine, const Cells& coarse, const Work&);
   static void smooth(Level&, bool forward, const Work&);
   static void restrict_residual(const Level& fine, Level& coarse, const Work&);
   static void correct(Level& fine, const Level& coarse, const Work&);
   void cycle(std::size_t level, const Work&);
 
+  std::shared_ptr<const std::vector<Cells>> cells_;
   std::vector<Level> levels_;
 };
 

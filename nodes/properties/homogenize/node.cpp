@@ -343,7 +343,7 @@ namespace terrazzo {
 
 NodeType homogenize_node() {
   using namespace homogenize;
-  return NodeType("Homogenize", 2)
+  return NodeType("Homogenize", 3)
       .doc_(
           "Finds how well a volume conducts, how stiff it is, or how easily a fluid flows through it, from "
           "the values of its phases: the whole effective tensor, tortuosity, bounds, and the error of the "

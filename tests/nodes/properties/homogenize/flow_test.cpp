@@ -59,6 +59,38 @@ TEST(Flow, BetweenFixedPressuresIsThatOfTheDuct) {
   EXPECT_NEAR(fixed / (periodic * (n + 1) * (n + 1) / (n * n)), 1, 1e-5);
 }
 
+// A given pressure at both ends is a mirror: the same as a periodic box that contains the mirror image too,
+// with walls between the copies along the other axes.
+TEST(Flow, BetweenFixedPressuresIsThatOfTheMirrorImage) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3i n(6, 5, 7);
+    const auto map = test::random_map(n, 4, 3 + static_cast<std::uint64_t>(axis));  // phase 3 is solid
+    Vec3i doubled = n + Vec3i::Ones();
+    doubled[axis] = 2 * n[axis];
+    const auto mirrored = test::phase_map(
+        doubled, 4,
+        [&](int x, int y, int z) {
+          Vec3i at(x, y, z);
+          if (at[axis] >= n[axis]) at[axis] = doubled[axis] - 1 - at[axis];
+          if ((at.array() >= n.array()).any()) return 3;
+          return static_cast<int>(map.phase[voxel_at(at.x(), at.y(), at.z(), n)]);
+        },
+        Vec3(1, 1.2, 0.9));
+    auto stretched = map;
+    stretched.box.spacing = mirrored.box.spacing;
+    std::array<bool, 3> along{};
+    along[axis] = true;
+    const std::vector<char> open{1, 1, 1, 0};
+    const Solved fixed = permeate(stretched, open, Boundary::Fixed, along, kFine, kAmple, {});
+    const Solved periodic = permeate(mirrored, open, Boundary::Periodic, along, kFine, kAmple, {});
+    const double share = static_cast<double>(voxels_in(n)) * 2 / static_cast<double>(voxels_in(doubled));
+    EXPECT_NEAR(fixed.effective(axis, axis) * share / periodic.effective(axis, axis), 1, 1e-6) << axis;
+    ASSERT_EQ(fixed.flow.size(), voxels_in(n));
+    const std::size_t last = voxels_in(n) - 1, there = voxel_at(n.x() - 1, n.y() - 1, n.z() - 1, doubled);
+    EXPECT_NEAR(fixed.flow[last], periodic.flow[there], 1e-5 * periodic.flow[there] + 1e-9) << axis;
+  }
+}
+
 // Drag of a simple cubic array of balls, relative to Stokes' for one (Zick and Homsy 1982, table 2).
 TEST(Flow, AroundACubicArrayOfBallsHasThePublishedDrag) {
   for (const auto& [fraction, drag] : {std::pair(0.125, 4.292), std::pair(0.343, 15.4)}) {
@@ -147,6 +179,20 @@ TEST(Flow, FailsWithTheResidualAndBeforeItTakesTooMuchMemory) {
               permeate(map, {1, 0}, Boundary::Periodic, kAlongX, kUsual, 100'000, {});
             }),
             "too-large");
+}
+
+// Of a rock with few pores, only the pores take memory.
+TEST(Flow, NeedsMemoryForItsPores) {
+  const auto duct =
+      test::phase_map({40, 40, 40}, 2, [](int, int y, int z) { return y < 4 && z < 4 ? 0 : 1; });
+  const std::uint64_t memory = 2'000'000;
+  for (const Boundary boundary : {Boundary::Periodic, Boundary::Fixed}) {
+    EXPECT_GT(permeate(duct, {1, 0}, boundary, kAlongX, kUsual, memory, {}).effective(0, 0), 0);
+    EXPECT_EQ(test::code_of([&] {
+                permeate(duct, {1, 1}, boundary, kAlongX, kUsual, memory, {});
+              }),
+              "too-large");
+  }
 }
 
 }  // namespace
