@@ -134,6 +134,24 @@ TEST_F(SlurmElements, AfterAListAreASecondRound) {
     EXPECT_EQ(node.at("outputs"), spread.at(name).at("outputs")) << name;
 }
 
+// The interval of a photograph's property, from blocks and draws that are tasks.
+TEST_F(SlurmElements, AreTheBlocksAndDrawsOfAProperty) {
+  const std::string graph = (test::source_folder() / "graphs/library/property.yaml").string();
+  const std::vector<std::string> small = {"--param", "blocks=2", "--param", "draws=2",
+                                          "--param", "count=40", "--param", "resolution=16"};
+  const auto done = run(graph, small);
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("elements"), std::string::npos) << done.out;
+  std::vector<std::string> local = {"run",     graph,   "--no-cache",
+                                    "--quiet", "--out", (folder / "local").string()};
+  local.insert(local.end(), small.begin(), small.end());
+  const auto alone = run_program(local);
+  ASSERT_EQ(alone.exit_code, 0) << alone.err;
+  const auto table = read_file(folder / "out/property.csv");
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table, read_file(folder / "local/property.csv"));
+}
+
 TEST_F(SlurmElements, ThatFailAreReportedAndNothingElseRuns) {
   std::ofstream(folder / "photos.yaml") << R"(terrazzo: 1
 nodes:

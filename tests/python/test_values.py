@@ -138,6 +138,18 @@ def test_table(graph):
         table["volume shar"]
     assert e.value.code == "no-column" and "did you mean" in e.value.message
     assert list(table.to_dict()) == table.columns
+    numbers = t.table({"a": [1, 2, 3], "b": [4, float("nan"), 6]}).to_numpy()
+    assert numbers.shape == (3, 2) and numbers.dtype == np.float64 and numbers[2, 1] == 6 and np.isnan(numbers[1, 1])
+    with pytest.raises(TypeError, match="'name' contains text"):
+        t.table({"size": [1, 2.5], "name": ["a", "b"]}).to_numpy()
+
+
+def test_effective_tensor_is_an_array():
+    layers = np.zeros((8, 8, 8), np.int32)
+    layers[4:] = 1
+    g = t.Graph(cache=False)
+    tensor = g.Homogenize(volume=t.volume(layers, 0.5, name="id", period=True), values=[1, 3]).tensor.value().to_numpy()
+    assert np.allclose(tensor, np.diag([1.5, 2, 2]), atol=1e-4)
 
 
 def test_grids_are_dense_on_request(graph):

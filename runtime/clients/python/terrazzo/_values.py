@@ -130,6 +130,16 @@ def _to_dict(self):
     return {name: self[name] for name in self.columns}
 
 
+def _to_numpy(self):
+    """A new array (rows, columns), such as the tensor of Homogenize. TypeError if a column contains text."""
+    import numpy
+    columns = [self[name] for name in self.columns]
+    for name, column in zip(self.columns, columns):
+        if isinstance(column, list):
+            raise TypeError(f"column {name!r} contains text")
+    return numpy.stack(columns, axis=1)
+
+
 def _sizes_html(self):
     rows = []
     for entry in self.entries:
@@ -186,4 +196,5 @@ _core.Shapes._repr_html_ = _shapes_html
 _core.Table._repr_html_ = lambda self: table_html(self.columns, self.rows)
 _core.Table.to_pandas = _to_pandas
 _core.Table.to_dict = _to_dict
+_core.Table.to_numpy = _to_numpy
 _core.SizeDistribution._repr_html_ = _sizes_html

@@ -230,7 +230,7 @@ METHODS = {
     "Profiles": ["def contour(self, index: int) -> _F64: ..."],
     "Shapes": ["def __getitem__(self, index: int) -> Shape: ...", "def __iter__(self) -> Iterator[Shape]: ..."],
     "Table": ["def __getitem__(self, column: str) -> Any: ...", "def to_dict(self) -> dict[str, Any]: ...",
-              "def to_pandas(self) -> Any: ..."],
+              "def to_numpy(self) -> _F64: ...", "def to_pandas(self) -> Any: ..."],
     "Volume": ["def origin(self, name: str) -> tuple[int, int, int]: ...",
                "def dense(self, name: str) -> npt.NDArray[Any]: ...", "def to_pyopenvdb(self) -> list[Any]: ..."],
 }
