@@ -36,21 +36,33 @@ void write_text(Context& c, const std::string& path, const std::string& text) {
   });
 }
 
-std::vector<Stimulus> stimuli_of(const Context& c) {
+// The stacks that are shown: originals and the chosen methods.
+struct Stacks {
+  std::vector<Stimulus> stimuli;
+  std::vector<const Image*> images;
+};
+
+Stacks stacks_of(const Context& c) {
   const auto& wires = c.list("images");
   const auto names = c.texts("names");
+  const bool all = !c.keyword("methods").empty();
+  const auto methods = all ? std::vector<std::string>{} : c.texts("methods");
   if (names.size() != wires.size())
     throw Error("bad-names",
                 fmt::format("there are {} names for {} stacks of images", names.size(), wires.size()),
                 "set one name per wire, such as smooth/original or smooth/csg")
         .parameter("names");
-  std::vector<Stimulus> out;
+  Stacks out;
   for (std::size_t i = 0; i < wires.size(); ++i) {
     const auto slash = names[i].find('/');
+    const std::string method = names[i].substr(slash + 1);
+    if (!all && method != "original" && std::find(methods.begin(), methods.end(), method) == methods.end())
+      continue;
     const auto& image = wires[i].as<Image>();
     if (image.width <= 0 || image.height <= 0 || image.sections <= 0)
       throw Error("empty-image", fmt::format("the images of {} have no pixels", names[i]));
-    out.push_back({names[i].substr(0, slash), names[i].substr(slash + 1), image.sections});
+    out.stimuli.push_back({names[i].substr(0, slash), method, image.sections});
+    out.images.push_back(&image);
   }
   return out;
 }
@@ -64,10 +76,20 @@ void check(const NodeParameters& p) {
                   "use names such as smooth/original or smooth/csg, without commas and quotes")
           .parameter("names");
   }
+  if (!p.keyword("methods").empty()) return;
+  for (const std::string& method : p.texts("methods")) {
+    const auto names = p.texts("names");
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return name.substr(name.find('/') + 1) == method; }))
+      throw Error("unknown-method", fmt::format("no stack has the method '{}'", method),
+                  "use methods that occur in names")
+          .parameter("methods");
+  }
 }
 
 void compute(Context& c) {
-  const auto stimuli = stimuli_of(c);
+  const Stacks stacks = stacks_of(c);
+  const auto& stimuli = stacks.stimuli;
   const auto seed = c.seed();
   const auto screens = make_screens(stimuli, c.integer("repeats"), seed);
   const auto training = make_training(stimuli, screens, c.integer("training"), seed);
@@ -85,9 +107,9 @@ void compute(Context& c) {
     const auto [stimulus, section] = all[k];
     const std::string name = fmt::format("{:03}.png", k + 1);
     names[stimulus][section] = name;
-    const auto& image = c.list("images")[stimulus].as<Image>();
-    c.write_file(folder + "/images/" + name,
-                 [&](const std::filesystem::path& to) { write_image(to, image, section); });
+    c.write_file(folder + "/images/" + name, [&](const std::filesystem::path& to) {
+      write_image(to, *stacks.images[stimulus], section);
+    });
     c.work().progress((static_cast<double>(k) + 1) / all.size());
   }
   const Table key = key_of(screens, names);
@@ -105,14 +127,16 @@ namespace terrazzo {
 
 NodeType shape_study_node() {
   using namespace shape_study;
-  return NodeType("ShapeStudy", 4)
+  return NodeType("ShapeStudy", 5)
       .doc_(
           "Creates a user study that runs from a folder: a page with screens of three images, where the "
           "center and one side show the original and the other side a decoy, and the key to the answers.")
       .source_("Jagnow, Dorsey, Rushmeier 2008, section 4.2")
       .writes_files_()
-      .input_list("images", {"Image"},
-                  "Stacks of sections, one per volume, with at least three sections of each original")
+      .input_list(
+          "images", {"Image"},
+          "Stacks of at least three sections, one per volume. Volumes and planes must differ in their "
+          "seeds; otherwise a decoy may repeat its original's arrangement.")
       .output("key", "Table", "Key: screen, shape, method, decoy (left, right, none), image names")
       .parameter(Parameter::output_path("path").doc_(
           "Output folder, which will contain index.html, images/ and key.csv"))
@@ -121,6 +145,8 @@ NodeType shape_study_node() {
                      .required()
                      .doc_("Names of the stacks in their order, as shape/method. The method of the shape "
                            "itself is `original`."))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "methods", "all")
+                     .doc_("Methods shown beside the originals. Other stacks are left out."))
       .parameter(Parameter::integer("repeats", 4)
                      .range(1, 100)
                      .doc_("Number of screens per shape and method, and per shape without a decoy"))

@@ -22,27 +22,25 @@ int original_of(const std::vector<Stimulus>& stimuli, const std::string& shape) 
   return -1;
 }
 
-// A random screen with a decoy from stimulus i, or without one if that is the original.
+// A random screen with a decoy from stimulus i, or without one if that is the original. All sections have
+// different numbers, so that even stacks cut by the same planes show no plane twice.
 Screen draw_screen(const std::vector<Stimulus>& stimuli, std::size_t i, Random r) {
   const int original = original_of(stimuli, stimuli[i].shape);
   const std::uint64_t n = stimuli[original].sections;
   const int a = r.below(n);
   int b = r.below(n - 1);
   b += b >= a;
-  int c = r.below(n - 2);
-  for (const int taken : {std::min(a, b), std::max(a, b)}) c += c >= taken;
+  std::vector<int> left_over;
+  for (int k = 0; k < stimuli[i].sections; ++k)
+    if (k != a && k != b) left_over.push_back(k);
   Screen s;
   s.shape = stimuli[i].shape;
   s.method = stimuli[i].method;
   s.center = {original, a};
-  Screen::Shown same{original, b}, other{original, c};
+  const Screen::Shown same{original, b};
+  const Screen::Shown other{static_cast<int>(i), left_over[r.below(left_over.size())]};
   const bool left = r.below(2) == 0;
-  if (static_cast<int>(i) != original) {
-    other = {static_cast<int>(i), static_cast<int>(r.below(stimuli[i].sections))};
-    s.decoy = left ? "left" : "right";
-  } else {
-    s.decoy = "none";
-  }
+  s.decoy = static_cast<int>(i) == original ? "none" : left ? "left" : "right";
   s.left = left ? other : same;
   s.right = left ? same : other;
   return s;
@@ -84,6 +82,11 @@ std::vector<Screen> make_screens(const std::vector<Stimulus>& stimuli, int repea
                   "name a stack of three sections or more '" + shape + "/original'");
     for (std::size_t i = 0; i < stimuli.size(); ++i) {
       if (stimuli[i].shape != shape) continue;
+      if (stimuli[i].sections < 3)
+        throw Error("too-few-sections",
+                    fmt::format("the stack {}/{} has {} sections, but needs three", shape, stimuli[i].method,
+                                stimuli[i].sections),
+                    "add sections to that stack");
       for (int k = 0; k < repeats; ++k) out.push_back(draw_screen(stimuli, i, Random(seed, 301, item++)));
     }
   }

@@ -25,9 +25,9 @@ struct Screen {
   } left, center, right;
 };
 
-// `repeats` screens per shape and decoy, and as many per shape without a decoy. Images of the
-// original on one screen are different sections. Throws Error "no-original" if a shape has no
-// original with at least three sections.
+// `repeats` screens per shape and decoy, and as many per shape without a decoy. The three sections on a
+// screen have different numbers in their stacks. Throws Error "no-original" if a shape has no original with
+// at least three sections, "too-few-sections" if another stack has fewer.
 std::vector<Screen> make_screens(const std::vector<Stimulus>&, int repeats, std::uint64_t seed);
 
 // Columns: screen (1…), shape, method, decoy, left, center, right (image names).

@@ -18,7 +18,7 @@ namespace {
 using namespace shape_study;
 
 const std::vector<Stimulus> kStimuli{
-    {"smooth", "original", 5}, {"smooth", "csg", 1}, {"complex", "csg", 4}, {"complex", "original", 3}};
+    {"smooth", "original", 5}, {"smooth", "csg", 3}, {"complex", "csg", 4}, {"complex", "original", 3}};
 
 TEST(ShapeStudy, ScreensAreAsThePaperHasThem) {
   const auto screens = make_screens(kStimuli, 40, 3);
@@ -39,6 +39,8 @@ TEST(ShapeStudy, ScreensAreAsThePaperHasThem) {
       const auto& decoy = s.decoy == "left" ? s.left : s.right;
       EXPECT_EQ(kStimuli[static_cast<std::size_t>(decoy.stimulus)].method, s.method);
       EXPECT_EQ(kStimuli[static_cast<std::size_t>(decoy.stimulus)].shape, s.shape);
+      EXPECT_NE(decoy.section, s.center.section);
+      EXPECT_NE(decoy.section, same.section);
     }
   }
   EXPECT_EQ(screens.size(), 160u);
@@ -102,7 +104,7 @@ TEST(ShapeStudy, ThePageTellsNothing) {
 }
 
 TEST(ShapeStudy, WritesAFolder) {
-  const Value stack = Value::of(Image(8, 8, 3, 1, Vec3f::Ones()));
+  const Value stack = Value::of(Image(8, 8, 4, 1, Vec3f::Ones()));
   const auto folder = test::temporary_folder();
   const auto run =
       test::run_node("ShapeStudy", {{"images", stack}, {"images", stack}},
@@ -117,8 +119,31 @@ TEST(ShapeStudy, WritesAFolder) {
   EXPECT_EQ(line, "screen,shape,method,decoy,left,center,right");
 }
 
+// Without fit, the study is the paper's: 80 screens, a fifth of them without a decoy.
+TEST(ShapeStudy, ShowsTheChosenMethodsOnly) {
+  const Value stack = Value::of(Image(8, 8, 4, 1, Vec3f::Ones()));
+  const auto folder = test::temporary_folder();
+  const auto run = test::run_node(
+      "ShapeStudy", {{"images", stack}, {"images", stack}, {"images", stack}},
+      {{"path", "study"}, {"names", "[a/original, a/csg, a/fit]"}, {"methods", "[csg]"}, {"training", "0"}},
+      folder);
+  EXPECT_EQ(run.metrics.at("screens"), 8);
+  EXPECT_EQ(run.metrics.at("pictures"), 8);
+  for (const auto& row : run.output<Table>("key").rows) EXPECT_NE(std::get<std::string>(row[2]), "fit");
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("ShapeStudy", {{"images", stack}},
+                             {{"path", "s"}, {"names", "[a/original]"}, {"methods", "[cgs]"}},
+                             test::temporary_folder());
+            }),
+            "unknown-method");
+}
+
 TEST(ShapeStudy, BadInputIsNamed) {
   EXPECT_EQ(test::code_of([] { make_screens({{"a", "csg", 3}}, 1, 1); }), "no-original");
+  EXPECT_EQ(test::code_of([] {
+              make_screens({{"a", "original", 3}, {"a", "csg", 2}}, 1, 1);
+            }),
+            "too-few-sections");
   EXPECT_EQ(test::code_of([] { make_screens({{"a", "original", 2}}, 1, 1); }), "no-original");
   const Value stack = Value::of(Image(8, 8, 3, 1, Vec3f::Ones()));
   for (const char* names : {"[a]", "[a/b, c/d]", "[/b]"})
