@@ -192,9 +192,10 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
   EXPECT_EQ(r["violations"], nlohmann::json::array());
   // An empty drawing has two or three colors: background and frame.
-  for (const char* drawing : {"particle_colors", "block_colors", "plane_colors"})
+  for (const char* drawing : {"particle_colors", "block_colors", "quantity_colors", "plane_colors"})
     EXPECT_GT(r[drawing], 12) << drawing;
   EXPECT_EQ(r["turned"], true);
+  EXPECT_EQ(r["scale"], "0  1 ");
   EXPECT_NE(r["picked"].get<std::string>().find("size"), std::string::npos);
   EXPECT_NE(r["row"].get<std::string>().find("row 3 is selected"), std::string::npos);
   EXPECT_NE(r["linked"].get<std::string>().find("1 size class"), std::string::npos);

@@ -79,6 +79,16 @@ await report(server, async () => {
   await page.waitForFunction(() => document.querySelectorAll('.slice canvas').length === 3);
   await shot('slices');
   await check('slices');
+  await page.selectOption('.options select', 'density');
+  result.scale = await page.textContent('.scale');
+  await page.waitForFunction(() => [...document.querySelectorAll('.slice canvas')].every(c => { const [r, g, b] = c.getContext('2d').getImageData(0, 0, 1, 1).data; return r !== g || g !== b; }));
+  await page.hover('.slice .panzoom');
+  await page.waitForFunction(() => / density \d/.test(document.querySelector('.slice .readout').textContent));
+  await page.click('button:has-text("Slices")');
+  await page.waitForFunction(() => /^\d/.test(document.querySelector('.options > span:last-child').textContent));
+  result.quantity_colors = await colors('.stage3d');
+  await shot('quantity');
+  await check('quantity');
 
   // The K matrix, the table and its plot.
   await card('kmatrix').click();

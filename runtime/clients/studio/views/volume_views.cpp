@@ -64,6 +64,38 @@ std::shared_ptr<const openvdb::FloatGrid> coverage(const Volume& volume) {
   return g && volume.find<openvdb::Vec3SGrid>("Cd") ? g : nullptr;
 }
 
+// The range of a grid's numbers in `voxels` voxels, the range without the outermost hundredth of them, and
+// the number below which four fifths of them are.
+template <class Grid>
+void add_ranges(json& out, const Grid& grid, double voxels) {
+  constexpr int kBins = 4096;
+  const double background = static_cast<double>(grid.background());
+  double lo = background, hi = background;
+  for (auto it = grid.cbeginValueOn(); it; ++it)
+    if (const double v = *it; std::isfinite(v)) {
+      lo = std::min(lo, v);
+      hi = std::max(hi, v);
+    }
+  std::vector<double> counts(kBins);
+  double total = 0;
+  const auto add = [&](double v, double n) {
+    if (!std::isfinite(v)) return;
+    const double bin = hi > lo ? (v - lo) / (hi - lo) * kBins : 0;
+    counts[static_cast<std::size_t>(std::min(bin, kBins - 1.0))] += n;
+    total += n;
+  };
+  for (auto it = grid.cbeginValueOn(); it; ++it) add(*it, static_cast<double>(it.getVoxelCount()));
+  add(background, std::max(voxels - static_cast<double>(grid.activeVoxelCount()), 0.0));
+  const auto quantile = [&](double share) {
+    std::size_t bin = 0;
+    for (double sum = counts[0]; sum < share * total && bin + 1 < kBins;) sum += counts[++bin];
+    return lo + (hi - lo) * static_cast<double>(share < 0.5 ? bin : bin + 1) / kBins;
+  };
+  out["range"] = {lo, hi};
+  out["shown"] = {quantile(0.005), quantile(0.995)};
+  out["most"] = quantile(0.8);
+}
+
 }  // namespace
 
 json volume_head(const Volume& volume) {
@@ -71,17 +103,8 @@ json volume_head(const Volume& volume) {
   json grids = json::array();
   for (const auto& g : volume.grids) {
     json j = {{"name", g->getName()}, {"type", g->valueType()}};
-    const auto range = [&]<class Grid>(const Grid* grid) {
-      if (!grid) return;
-      double lo = static_cast<double>(grid->background()), hi = lo;
-      for (auto it = grid->cbeginValueOn(); it; ++it) {
-        const double v = *it;
-        if (std::isfinite(v)) {
-          lo = std::min(lo, v);
-          hi = std::max(hi, v);
-        }
-      }
-      j["range"] = {lo, hi};
+    const auto range = [&](const auto* grid) {
+      if (grid) add_ranges(j, *grid, box.size.cast<double>().prod());
     };
     range(dynamic_cast<const openvdb::FloatGrid*>(g.get()));
     range(dynamic_cast<const openvdb::DoubleGrid*>(g.get()));

@@ -139,12 +139,30 @@ Volume block() {
   return out;
 }
 
+TEST(StudioViews, RangesOfQuantitiesAreWithoutOutliers) {
+  initialize_openvdb();
+  Volume volume;
+  volume.grids.push_back(dense_grid<openvdb::FloatGrid>("flow", Vec3i(10, 10, 10), 1, {}, [](std::size_t i) {
+    return i == 500 ? 1e6f : static_cast<float>(i);
+  }));
+  volume.grids.push_back(
+      dense_grid<openvdb::FloatGrid>("even", Vec3i(4, 4, 4), 1, {}, [](std::size_t) { return 3.0f; }));
+  const json grids = json::parse(view_of(Value::of(volume), "head").body)["grids"];
+  const double bin = 1e6 / 4096;
+  EXPECT_EQ(grids[0]["range"], json({0.0, 1e6}));
+  EXPECT_NEAR(grids[0]["shown"][0].get<double>(), 5, bin);
+  EXPECT_NEAR(grids[0]["shown"][1].get<double>(), 995, bin);
+  EXPECT_NEAR(grids[0]["most"].get<double>(), 800, bin);
+  EXPECT_EQ(grids[1]["shown"][1], 3.0);
+}
+
 TEST(StudioViews, SlicesAreTheWayUpThatSectionsAre) {
   const Value v = Value::of(block());
   const json head = json::parse(view_of(v, "head").body);
   EXPECT_EQ(head["size"], json({3, 4, 5}));
   EXPECT_EQ(head["spacing"][0], 0.5);
   EXPECT_EQ(head["grids"][1]["range"], json({0.0, 1.0}));
+  EXPECT_FALSE(head["grids"][0].contains("shown"));
   const auto slice = [&](int axis, int index, const char* grid) {
     return view_of(v, "slice", {.slice = {.grid = grid, .axis = axis, .index = index}}).body;
   };

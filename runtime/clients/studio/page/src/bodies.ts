@@ -4,6 +4,7 @@ import {
   MeshLambertMaterial, Plane, Points, Quaternion, RGBAFormat, ShaderMaterial, SphereGeometry, SRGBColorSpace, GLSL3, UnsignedByteType, Vector3, Vector4,
 } from 'three';
 
+import { rampShader } from './ramp';
 import { disposeMesh, type Content } from './stage';
 
 export interface ParticleTable {
@@ -181,7 +182,8 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 const blockFragment = `
-precision highp sampler3D;
+precision highp sampler3D;${rampShader}
+uniform bool quantity; // grays are values
 uniform sampler3D voxels;
 uniform vec3 edges, texel, eye;
 uniform vec4 cut;      // what has dot(cut.xyz, p) + cut.w < 0 is hidden
@@ -216,11 +218,11 @@ void main() {
     float l = length(n);
     light = l > 0.0 ? 0.42 + 0.62 * max(dot(n / l, normalize(vec3(-0.6, -1.0, 1.4))), 0.0) : 0.8;
   }
-  color = vec4(c.rgb * light, 1.0);
+  color = vec4((quantity ? ramp(c.r) : c.rgb) * light, 1.0);
 }`;
 
-// A block of voxels. level: 0 shows all of it; above, what has at least that much alpha.
-export function voxelBlock(data: ArrayBuffer, edges: Vector3): Content & { setLevel(level: number): void; factor: number } {
+// A block of voxels. level: 0 shows all of it; above, what has at least that much alpha. quantity: grays are values.
+export function voxelBlock(data: ArrayBuffer, edges: Vector3, quantity = false): Content & { setLevel(level: number): void; factor: number } {
   const [width, height, depth, factor] = new Uint32Array(data, 0, 4);
   const texture = new Data3DTexture(new Uint8Array(data, 16), width, height, depth);
   texture.format = RGBAFormat, texture.type = UnsignedByteType, texture.unpackAlignment = 1;
@@ -231,7 +233,7 @@ export function voxelBlock(data: ArrayBuffer, edges: Vector3): Content & { setLe
     glslVersion: GLSL3, vertexShader: blockVertex, fragmentShader: blockFragment, side: BackSide,
     uniforms: {
       voxels: { value: texture }, edges: { value: edges }, texel: { value: texel }, eye: { value: new Vector3() }, cut: { value: new Vector4(0, 0, 0, 1) },
-      level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
+      quantity: { value: quantity }, level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
     },
   });
   const mesh = new Mesh(new BoxGeometry(edges.x, edges.y, edges.z).translate(edges.x / 2, edges.y / 2, edges.z / 2), material);

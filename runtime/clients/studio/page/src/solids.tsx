@@ -14,7 +14,9 @@ import type { DocNode, OutputValue } from './types';
 export const webGL = hasWebGL();
 export const noWebGL = 'This browser has no WebGL, so the program renders a picture.';
 
-export interface VolumeHead { size: [number, number, number]; spacing: [number, number, number]; grids: { name: string; type: string; range?: [number, number] }[] }
+export interface VolumeHead { size: [number, number, number]; spacing: [number, number, number]; grids: GridHead[] }
+// range: of a quantity; shown: without outliers; most: what four fifths of its numbers are below.
+export interface GridHead { name: string; type: string; range?: [number, number]; shown?: [number, number]; most?: number }
 
 export const useHead = (value: OutputValue | undefined) => useLoaded(String(value?.hash), async () => (value ? fetchJson<VolumeHead>(value.hash, 'head') : null));
 export const edgesOf = (h: VolumeHead) => new Vector3(...h.size.map((n, k) => n * h.spacing[k]) as [number, number, number]);
@@ -50,8 +52,8 @@ export async function loadParticles(value: OutputValue, shapes: OutputValue | nu
 }
 
 export async function loadVolume(value: OutputValue, head: VolumeHead, grid: string, most: number): Promise<Solid> {
-  const range = head.grids.find(g => g.name === grid)?.range ?? [0, 1];
-  const block = voxelBlock(await fetchBytes(value.hash, `as=voxels&grid=${encodeURIComponent(grid)}&most=${most}&lo=${range[0]}&hi=${range[1]}`), edgesOf(head));
+  const range = head.grids.find(g => g.name === grid)?.shown;
+  const block = voxelBlock(await fetchBytes(value.hash, `as=voxels&grid=${encodeURIComponent(grid)}&most=${most}&lo=${range?.[0] ?? 0}&hi=${range?.[1] ?? 1}`), edgesOf(head), !!range);
   return { content: block, level: block.setLevel, note: block.factor > 1 ? `reduced from ${head.size.join(' × ')} voxels; slices show all` : `${head.size.join(' × ')} voxels` };
 }
 
