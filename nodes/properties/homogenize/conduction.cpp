@@ -132,7 +132,7 @@ void solve_fixed(const Model& m, int axis, const Accuracy& accuracy, Solved& out
     }
   });
   const double energy = length * sum_of(b, work);  // if all voxels but the last were at zero
-  Multigrid system(m.levels, std::move(faces), work.quiet());
+  Multigrid system(m.levels, std::move(faces), Cycle::W, work.quiet());
   keep_worst(out, solve(system, b, energy, x, accuracy, work));
   // From the energy, whose error is the square of that of x.
   const double ends = sum_over(m.cells(), work, [&](const Segment& s, int i, int z) {
@@ -213,7 +213,7 @@ Solved conduct(const PhaseMap& map, const std::vector<double>& values, Boundary 
     }
     if (!model) {
       model = model_of(map, values, box, {true, true, true}, memory, out, part.quiet());
-      system.emplace(model->levels, faces_of(*model, part), part.quiet());
+      system.emplace(model->levels, faces_of(*model, part), Cycle::W, part.quiet());
     }
     if (out.connected[a]) solve_periodic(*model, *system, a, accuracy, out, part);
   }

@@ -66,8 +66,8 @@ class Stokes {
     require_memory(bytes(pores.box), memory, "the flow through the volume");
     for (int a = 0; a < 3; ++a) find_active(a, work);
     for (int a = 0; a < 3; ++a)
-      velocity_[a] = std::make_unique<Multigrid>(levels_, viscous(pores, a, work), work.quiet());
-    pressure_ = std::make_unique<Multigrid>(levels_, darcy(work), work.quiet());
+      velocity_[a] = std::make_unique<Multigrid>(levels_, viscous(pores, a, work), Cycle::V, work.quiet());
+    pressure_ = std::make_unique<Multigrid>(levels_, darcy(work), Cycle::W, work.quiet());
   }
 
   const Cells& cells() const { return levels_->front(); }

@@ -11,7 +11,6 @@ namespace {
 constexpr int kCoarsestSweeps = 16;
 constexpr int kSweeps = 2;              // before and after each correction
 constexpr double kLeastEnergy = 1e-12;  // of one step to the next, so that rounding leaves some
-constexpr int kVisits = 2;              // of the coarser level: a W-cycle
 // Merged cells conduct twice as well as they should, since the potential in each is constant. The correction
 // is enlarged accordingly, by a little less than two (Braess 1995).
 constexpr float kEnlarged = 1.9F;
@@ -53,8 +52,9 @@ double Multigrid::bytes(const std::vector<Cells>& levels, bool sink) {
   return (sink ? 28 : 24) * values;
 }
 
-Multigrid::Multigrid(std::shared_ptr<const std::vector<Cells>> cells, Conductances fine, const Work& work)
-    : cells_(std::move(cells)) {
+Multigrid::Multigrid(std::shared_ptr<const std::vector<Cells>> cells, Conductances fine, Cycle cycle,
+                     const Work& work)
+    : cells_(std::move(cells)), visits_(static_cast<int>(cycle)) {
   levels_.push_back(level_of(cells_->front(), std::move(fine), work));
   for (std::size_t k = 1; k < cells_->size(); ++k)
     levels_.push_back(level_of((*cells_)[k], merged(levels_.back(), (*cells_)[k], work), work));
@@ -143,7 +143,7 @@ void Multigrid::cycle(std::size_t level, const Work& work) {
   for (int k = 0; k < kSweeps; ++k) smooth(l, true, work);
   restrict_residual(l, levels_[level + 1], work);
   std::fill(levels_[level + 1].x.begin(), levels_[level + 1].x.end(), 0);
-  for (int k = 0; k < kVisits; ++k) cycle(level + 1, work);
+  for (int k = 0; k < visits_; ++k) cycle(level + 1, work);
   correct(l, levels_[level + 1], work);
   for (int k = 0; k < kSweeps; ++k) smooth(l, false, work);
 }

@@ -16,11 +16,15 @@ struct Conductances {
   std::vector<float> sink;     // s; empty: zero everywhere
 };
 
-// A preconditioner for it: one W-cycle of multigrid on cells merged by 2 × 2 × 2, in single precision, with
+// How often a cycle visits the next coarser level. W where values of far cells depend on each other, as
+// without sinks; V where sinks are everywhere near.
+enum class Cycle { V = 1, W = 2 };
+
+// A preconditioner for it: one cycle of multigrid on cells merged by 2 × 2 × 2, in single precision, with
 // Gauss–Seidel sweeps in colors. It is symmetric and positive, and does not depend on the number of threads.
 class Multigrid {
  public:
-  Multigrid(std::shared_ptr<const std::vector<Cells>>, Conductances, const Work&);
+  Multigrid(std::shared_ptr<const std::vector<Cells>>, Conductances, Cycle, const Work&);
 
   const Cells& cells() const { return cells_->front(); }
   // g of the faces across an axis, as in Conductances.
@@ -50,6 +54,7 @@ class Multigrid {
 
   std::shared_ptr<const std::vector<Cells>> cells_;
   std::vector<Level> levels_;
+  int visits_;
 };
 
 // Solves A x = b by conjugate gradients, from zero. Stops when the residual is at most `tolerance`, and so is
