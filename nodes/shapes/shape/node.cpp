@@ -5,11 +5,13 @@
 
 #include "graph/node_parameters.h"
 #include "graph/node_type.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/shapes/shape/closed_form.h"
 #include "nodes/shapes/shape/rock.h"
 #include "nodes/shapes/shape/solids.h"
 #include "nodes/shapes/shape/stones.h"
+#include "nodes/shapes/shape/wear.h"
 #include "runtime/context.h"
 
 namespace terrazzo::shape {
@@ -84,18 +86,35 @@ void check(const NodeParameters& p) {
         .parameter("count");
 }
 
+constexpr std::uint64_t kWear = 125;  // stream of random numbers
+
+// Wears and roughens a stone, relative to the diameter of a ball of its volume.
+void weather(Mesh& mesh, double wear, double roughness, const Context& c, std::int64_t item,
+             const Work& work) {
+  const double diameter = std::cbrt(6 * mesh_volume(mesh) / std::numbers::pi);
+  if (wear > 0) round_edges(mesh, wear * diameter, work);
+  if (roughness > 0) roughen(mesh, roughness * diameter / 2, diameter, Random(c.seed(), kWear, item));
+}
+
 void compute(Context& c) {
   const auto kind = c.choice<SolidKind>("kind");
   const std::string name = c.text("kind");
   const double size = c.number("size");
+  const double wear = c.number("wear");
+  // Wear would smooth the roughness of a rock's faces, so worn rocks get theirs afterwards, as other stones.
+  const bool rock_is_rough = kind == SolidKind::Rock && wear == 0;
+  const double roughness = c.optional_number("roughness").value_or(kind == SolidKind::Rock ? 0.02 : 0);
+  const double rough_last = rock_is_rough ? 0 : roughness;
   Shapes shapes;
   const auto add_stones = [&](auto options, const auto& mesh_of, bool smooth) {
     const auto count = c.integer("count");
     for (std::int64_t i = 0; i < count; ++i) {
       const auto part = c.work().part(static_cast<double>(i) / count, (i + 1.0) / count);
       options.item = i;
+      Mesh mesh = mesh_of(options, part);
+      weather(mesh, wear, rough_last, c, i, part);
       shapes.shapes.push_back(sized(count > 1 ? fmt::format("{} {}", name, i + 1) : name,
-                                    {mesh_of(options, part), {}, smooth}, size, 1.0 / count, part));
+                                    {std::move(mesh), {}, smooth}, size, 1.0 / count, part));
     }
   };
   if (kind == SolidKind::Rock) {
@@ -104,7 +123,7 @@ void compute(Context& c) {
     o.axes = axes_of(c);
     o.facets = c.integer("facets");
     o.chips = c.integer("chips");
-    o.roughness = c.number("roughness");
+    o.roughness = rock_is_rough ? roughness : 0;
     o.detail = c.integer("detail");
     add_stones(o, rock_mesh, false);
   } else if (is_stone(kind)) {
@@ -170,9 +189,14 @@ NodeType shape_node() {
           Parameter::integer("facets", 13).range(4, 30).doc_("Number of large fracture faces of a rock"))
       .parameter(
           Parameter::integer("chips", 6).range(0, 20).doc_("Number of corners and edges broken off a rock"))
-      .parameter(Parameter::number("roughness", 0.02)
-                     .range(0, 0.1)
-                     .doc_("Amplitude of the roughness of a rock's faces, relative to its radius"))
+      .parameter(
+          Parameter::optional_number("roughness", "auto")
+              .range(0, 0.1)
+              .doc_("Standard deviation of the roughness of a stone's faces, relative to its radius. auto: "
+                    "0.02 for a rock, 0 for other stones."))
+      .parameter(Parameter::number("wear", 0).range(0, 0.25).doc_(
+          "Radius of the worn edges of a stone, relative to its diameter. Roughness is added after "
+          "wear."))
       .parameter(Parameter::integer("detail", 3)
                      .range(0, 6)
                      .doc_("Tessellation level: 20·4^detail triangles for a sphere and for pebble, shard and "

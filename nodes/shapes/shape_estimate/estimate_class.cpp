@@ -206,6 +206,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
     request.seed = c.seed();
     request.subdivision = c.integer("subdivision");
     request.control = c.optional_integer("control").value_or(0);
+    request.tessellation = c.choice<Tessellation>("tessellation");
     request.relief = relief;
     request.axis = axis != "alternate" ? axis : s % 2 == 1 ? "long" : "short";
     // If the profiles are the same again, use another one of them as the base.

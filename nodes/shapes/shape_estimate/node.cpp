@@ -172,11 +172,17 @@ NodeType shape_estimate_node() {
                            "triangles (about 500 to 2000 at 1, and 2,900 of an inflation, which is not "
                            "Catmull–Clark). With control: auto, each level also allows more "
                            "control points; grids with more than ten per quarter are subdivided only once."))
-      .parameter(Parameter::optional_integer("control", "auto")
-                     .range(2, 24)
-                     .doc_("Number of control points per quarter of a curve. auto: the fewest that reproduce "
-                           "the profiles within 0.8 % of their diameter, at most 4 + 2·subdivision, or 24 if "
-                           "subdivision is 2 or more."))
+      .parameter(
+          Parameter::choice("tessellation", "fitted", {"fitted", "direct"})
+              .doc_("Surface of the two cylinders. fitted: a subdivision surface through few points, with "
+                    "sharp edges at corners of the profiles. direct: triangles between points of equation 1 "
+                    "at equal arc lengths, 8·2^subdivision per quarter of a curve."))
+      .parameter(
+          Parameter::optional_integer("control", "auto")
+              .range(2, 24)
+              .doc_("Number of control points per quarter of a fitted curve. auto: the fewest that reproduce "
+                    "the profiles within 0.8 % of their diameter, at most 4 + 2·subdivision, or 24 if "
+                    "subdivision is 2 or more."))
       .parameter(
           Parameter::choice("axis", "auto", {"auto", "short", "long", "alternate"})
               .doc_("Orientation of profiles on the base. short: lying, for flat and equant shapes. "

@@ -30,7 +30,8 @@ Table average_deviations(const std::vector<const Table*>& tables, const std::vec
   std::vector<std::string> names;
   for (std::size_t row = 0; row < first.rows.size() && word(first, row, "sections") == "central"; ++row)
     names.push_back(word(first, row, "name"));
-  for (std::size_t k = 1; k < names.size(); ++k) out.columns.push_back(names[k] + " %");
+  for (const char* what : {" %", " signed %"})
+    for (std::size_t k = 1; k < names.size(); ++k) out.columns.push_back(names[k] + what);
   for (const Table* t : tables) {
     if (t->rows.size() != 2 * names.size())
       throw Error("other-methods",
@@ -51,12 +52,15 @@ Table average_deviations(const std::vector<const Table*>& tables, const std::vec
                   "set measures to names of ShapeMetrics measures");
     for (const bool central : {true, false}) {
       std::vector<Table::Cell> cells{measure, std::string(central ? "central" : "random")};
-      for (std::size_t k = 1; k < names.size(); ++k) {
-        double sum = 0;
-        for (const Table* t : tables)
-          sum += std::abs(t->number(k + (central ? 0 : names.size()), column)) / tables.size();
-        cells.emplace_back(sum);
-      }
+      for (const bool with_sign : {false, true})
+        for (std::size_t k = 1; k < names.size(); ++k) {
+          double sum = 0;
+          for (const Table* t : tables) {
+            const double deviation = t->number(k + (central ? 0 : names.size()), column);
+            sum += with_sign ? deviation : std::abs(deviation);
+          }
+          cells.emplace_back(sum / tables.size());
+        }
       out.rows.push_back(std::move(cells));
     }
   }

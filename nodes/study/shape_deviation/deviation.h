@@ -9,7 +9,8 @@
 namespace terrazzo::shape_deviation {
 
 // Columns: measure, sections, then one per method (the names of all rows but the first): the mean over the
-// tables of the absolute deviation of the method's mean from that of the first row, %. Throws Error
+// tables of the absolute deviation of the method's mean from that of the first row, %; then the same with
+// signs, in which opposite errors cancel. Throws Error
 // "no-tables" without tables or rows, "not-metrics" if a table lacks a column, "other-methods" if its row
 // names differ from those of the first table.
 Table average_deviations(const std::vector<const Table*>&, const std::vector<std::string>& measures);

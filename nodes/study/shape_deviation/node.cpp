@@ -22,7 +22,7 @@ namespace terrazzo {
 
 NodeType shape_deviation_node() {
   using namespace shape_deviation;
-  return NodeType("ShapeDeviation", 2)
+  return NodeType("ShapeDeviation", 3)
       .doc_(
           "Averages the deviations of shape methods' section measures over several originals: one row per "
           "measure and kind of section, one column per method. Also tests by analysis of variance whether "
@@ -31,7 +31,7 @@ NodeType shape_deviation_node() {
       .input_list("tables", {"Table"},
                   "Tables from ShapeMetrics, one per original, with the original in the first row and the "
                   "same methods in each")
-      .output("table", "Table", "Means of absolute deviations, in %")
+      .output("table", "Table", "Means of absolute deviations, in %, then with their signs")
       .output(
           "anova", "Table",
           "Two-way analyses of variance of each measure: effects of the method (without the originals), of "

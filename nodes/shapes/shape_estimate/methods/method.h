@@ -11,16 +11,22 @@
 
 namespace terrazzo::shape_estimate {
 
+enum class Tessellation {
+  Fitted,  // a subdivision surface through as few points as reproduce the profiles, with creases
+  Direct   // points of equation 1 of 2008 at equal arc lengths, joined by triangles
+};
+
 struct EstimateRequest {
   std::vector<Outline> chosen;                // profiles of this shape, at least the method's `least`
   const std::vector<Outline>* all = nullptr;  // every usable profile, for methods that use all of them
   int index = 0;                              // index of the shape, 0…
   std::uint64_t seed = 1;
-  int subdivision = 1;        // levels
-  int control = 0;            // control points per quarter of a curve; 0: as many as the curves need
-  std::string axis = "auto";  // "auto", "short" or "long"
-  int base = 0;               // index of the base profile: 0 has the aspect ratio closest to one
-  double relief = 0;          // usual relief of all profiles (relief.h)
+  int subdivision = 1;  // levels
+  int control = 0;      // control points per quarter of a curve; 0: as many as the curves need
+  Tessellation tessellation = Tessellation::Fitted;  // of the cylinders
+  std::string axis = "auto";                         // "auto", "short" or "long"
+  int base = 0;       // index of the base profile: 0 has the aspect ratio closest to one
+  double relief = 0;  // usual relief of all profiles (relief.h)
 };
 
 struct Estimate {
@@ -61,7 +67,8 @@ Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
 // Bays that no ray from the center reaches are filled.
 Estimate inflation(const EstimateRequest&, const Work&);
 
-// The surface swept over a frame, with enough control points to reproduce its curves (morph_frame.h).
+// The surface swept over a frame (morph_frame.h): fitted with enough control points to reproduce its curves,
+// or direct with 8·2^subdivision points per quarter of each curve.
 struct MorphFrame;
 Estimate swept_surface(const MorphFrame&, const EstimateRequest&, const Work&);
 

@@ -23,6 +23,14 @@ struct Side {
   std::vector<std::vector<double>> row_crease;  // [row][column]: of the edge to the next column
 };
 
+// Where an arc is evaluated: at equal arc lengths, or moved to its corners, which then become creases.
+std::vector<double> parameters_of(const Arc& arc, int spans, Tessellation tessellation) {
+  if (tessellation == Tessellation::Fitted) return knots(arc, spans);
+  std::vector<double> even(spans + 1);
+  for (int i = 0; i <= spans; ++i) even[i] = static_cast<double>(i) / spans;
+  return even;
+}
+
 struct Columns {
   std::vector<std::size_t> sector;
   std::vector<double> t;         // within the sector, by the base's arc length
@@ -31,10 +39,10 @@ struct Columns {
   std::vector<double> crease;    // of the base's corner there
 };
 
-Columns columns_of(const MorphFrame& frame, int spans) {
+Columns columns_of(const MorphFrame& frame, int spans, Tessellation tessellation) {
   Columns c;
   for (std::size_t j = 0; j < frame.base.size(); ++j) {
-    const auto k = knots(frame.base[j], spans);
+    const auto k = parameters_of(frame.base[j], spans, tessellation);
     for (int i = 0; i < spans; ++i) {
       c.sector.push_back(j);
       c.t.push_back(k[i]);
@@ -53,12 +61,14 @@ Columns columns_of(const MorphFrame& frame, int spans) {
   return c;
 }
 
-// Eq. 1 on the knots of the neighboring morph curves: m = (1 − t_b) m₀ + t_b m₁, swept along the base.
-Side side_of(const MorphFrame& frame, const std::vector<Arc>& arcs, const Columns& columns, int rows) {
+// Eq. 1 on the neighboring morph curves, m = (1 − t_b) m₀ + t_b m₁, swept along the base. Direct points have
+// equal arc lengths on both; fitted ones pair the knots of both, so that corners meet.
+Side side_of(const MorphFrame& frame, const std::vector<Arc>& arcs, const Columns& columns, int rows,
+             Tessellation tessellation) {
   const std::size_t n = columns.t.size(), sectors = arcs.size();
   std::vector<std::vector<double>> t(sectors), sharp(sectors);
   for (std::size_t j = 0; j < sectors; ++j) {
-    t[j] = knots(arcs[j], rows);
+    t[j] = parameters_of(arcs[j], rows, tessellation);
     for (int r = 0; r <= rows; ++r) sharp[j].push_back(sharpness(arcs[j].corner_at(t[j][r], 0.1 / rows)));
   }
   Side side;
@@ -117,18 +127,51 @@ ControlMesh control_mesh(const Side& upper, const Side& lower, const Columns& co
 // Use the fewest control points that reproduce the profiles to this share of their diameter.
 constexpr double kDeviation = 0.008;
 
-Mesh surface(const MorphFrame& frame, int control, int subdivision, const Work& work) {
+ControlMesh swept_grid(const MorphFrame& frame, int spans, int rows, Tessellation tessellation) {
+  const Columns columns = columns_of(frame, spans, tessellation);
+  const Side upper = side_of(frame, frame.upper, columns, rows, tessellation),
+             lower = side_of(frame, frame.lower, columns, rows, tessellation);
+  return control_mesh(upper, lower, columns, rows);
+}
+
+Mesh fitted_surface(const MorphFrame& frame, int control, int subdivision, const Work& work) {
   const int sectors = frame.base.size();
-  const Columns columns = columns_of(frame, std::max(2, (4 * control + sectors / 2) / sectors));
-  const Side upper = side_of(frame, frame.upper, columns, control),
-             lower = side_of(frame, frame.lower, columns, control);
-  return interpolating_surface(control_mesh(upper, lower, columns, control), subdivision, 20, work);
+  const int spans = std::max(2, (4 * control + sectors / 2) / sectors);
+  return interpolating_surface(swept_grid(frame, spans, control, Tessellation::Fitted), subdivision, 20,
+                               work);
+}
+
+bool is_smooth(const EstimateRequest& request) {
+  int corners = 0;
+  for (const auto& o : request.chosen) corners += o.corners;
+  return corners < 3 * count_of(request.chosen);
+}
+
+// Splits quadrilaterals along their shorter diagonal.
+Mesh direct_surface(const MorphFrame& frame, int subdivision) {
+  const int quarter = 8 << subdivision, sectors = frame.base.size();
+  ControlMesh grid = swept_grid(frame, std::max(2, 4 * quarter / sectors), quarter, Tessellation::Direct);
+  Mesh mesh;
+  mesh.vertices = std::move(grid.vertices);
+  const auto far = [&](int a, int b) { return (mesh.vertices[a] - mesh.vertices[b]).squaredNorm(); };
+  for (const auto& f : grid.faces) {
+    const int turn = f.size() == 4 && far(f[1], f[3]) < far(f[0], f[2]);
+    for (std::size_t i = 2; i < f.size(); ++i)
+      mesh.triangles.push_back({f[turn], f[(i - 1 + turn) % f.size()], f[(i + turn) % f.size()]});
+  }
+  return mesh;
 }
 
 }  // namespace
 
 Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, const Work& work) {
   Estimate out;
+  if (request.tessellation == Tessellation::Direct) {
+    out.mesh = direct_surface(frame, request.subdivision);
+    out.deviation = frame_deviation(frame, out.mesh);
+    out.smooth = is_smooth(request);
+    return out;
+  }
   // A finer tessellation implies that more of the profiles should be preserved.
   const int most = request.control           ? request.control
                    : request.subdivision < 2 ? 4 + 2 * request.subdivision
@@ -138,7 +181,7 @@ Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, 
     // A fine control grid needs less subdivision for an equally fine surface.
     const int level =
         !request.control && control > 10 ? std::min(request.subdivision, 1) : request.subdivision;
-    Mesh mesh = surface(frame, control, level, work);
+    Mesh mesh = fitted_surface(frame, control, level, work);
     const double deviation = frame_deviation(frame, mesh);
     if (out.deviation < 0 || deviation < out.deviation) {
       out.mesh = std::move(mesh);
@@ -148,9 +191,7 @@ Estimate swept_surface(const MorphFrame& frame, const EstimateRequest& request, 
     // Extrapolate to the number that would suffice if the deviation fell with its square.
     control = std::clamp<int>(control * std::sqrt(deviation / kDeviation), control + 1, most);
   }
-  int corners = 0;
-  for (const auto& o : request.chosen) corners += o.corners;
-  out.smooth = corners < 3 * count_of(request.chosen);
+  out.smooth = is_smooth(request);
   return out;
 }
 

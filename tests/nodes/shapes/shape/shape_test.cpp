@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
@@ -10,6 +13,7 @@
 #include "nodes/shapes/shape/closed_form.h"
 #include "nodes/shapes/shape/rock.h"
 #include "nodes/shapes/shape/solids.h"
+#include "nodes/shapes/shape/wear.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
@@ -145,6 +149,48 @@ TEST(ShapeNode, SizeIsTheDiameterOfTheLargestSection) {
     EXPECT_NEAR(mesh_centroid(s.mesh).norm(), 0, 1e-9);
     EXPECT_EQ(s.probability, 1);
     EXPECT_EQ(s.name, kind);
+  }
+}
+
+// The coordinates of a sphere of radius R are eigenfunctions of its Laplacian with eigenvalue 2/R².
+TEST(ShapeWear, ShrinksASphereAsDiffusionDoes) {
+  Mesh m = ellipsoid_mesh({4, 4, 4}, 4);
+  const double radius = 2, edge = 0.4, variance = 2 / pi * edge * edge;
+  round_edges(m, edge);
+  for (const Vec3& v : m.vertices)
+    EXPECT_NEAR(v.norm(), radius * std::pow(1 + variance / 4 / (radius * radius), -4), 2e-3);
+}
+
+double sharpest_edge(const Mesh& m) {
+  std::map<std::pair<int, int>, Vec3> left;
+  double least = 1;
+  for (const Triangle& t : m.triangles) {
+    const Vec3 n =
+        (m.vertices[t[1]] - m.vertices[t[0]]).cross(m.vertices[t[2]] - m.vertices[t[0]]).normalized();
+    for (int k = 0; k < 3; ++k) {
+      const auto other = left.find({t[(k + 1) % 3], t[k]});
+      if (other != left.end()) least = std::min(least, n.dot(other->second));
+      left[{t[k], t[(k + 1) % 3]}] = n;
+    }
+  }
+  return std::acos(least) * 180 / pi;
+}
+
+TEST(ShapeWear, RoundsEdgesAndKeepsStonesWhole) {
+  for (const char* kind : {"rock", "shard", "clinker"}) {
+    SCOPED_TRACE(kind);
+    const auto stone = [&](const char* wear, const char* roughness) {
+      return test::run_node("Shape", {},
+                            {{"kind", kind}, {"detail", "5"}, {"wear", wear}, {"roughness", roughness}})
+          .output<Shapes>("shapes")
+          .shapes.at(0);
+    };
+    const Shape sharp = stone("0", "0"), worn = stone("0.1", "0"), rough = stone("0.1", "0.02");
+    EXPECT_LT(sharpest_edge(worn.mesh), 0.5 * sharpest_edge(sharp.mesh));
+    EXPECT_EQ(worn.mesh.triangles, sharp.mesh.triangles);
+    EXPECT_EQ(mesh_faults(rough.mesh), std::vector<std::string>{});
+    EXPECT_NEAR(worn.size(), 1, 1e-9);
+    EXPECT_NE(rough.mesh.vertices, worn.mesh.vertices);
   }
 }
 

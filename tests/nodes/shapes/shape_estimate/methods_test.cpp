@@ -223,6 +223,43 @@ TEST(ShapeEstimateCylinder, MorphedCylindersKeepTheBodysExtents) {
     }
 }
 
+// Vertices of the direct tessellation are points of equation 1 of 2008, evaluated here at equal arc lengths.
+TEST(ShapeEstimateCylinder, DirectTessellationIsEquation1) {
+  auto request = outlines_of(stars(2, 0.3));
+  request.tessellation = Tessellation::Direct;
+  const MorphFrame f = morph_frame(request.chosen, "auto");
+  const auto e = morphed_generalized_cylinder(request, {});
+  EXPECT_EQ(mesh_faults(e.mesh), std::vector<std::string>{});
+  EXPECT_EQ(terrazzo::test::euler(e.mesh), 2);
+  for (std::size_t j = 0; j < f.base.size(); ++j)
+    for (const double t_b : {0.0, 0.25, 0.5, 0.75})
+      for (const double t_m : {0.25, 0.5, 0.75, 1.0})
+        for (const auto* arcs : {&f.upper, &f.lower}) {
+          const Arc &m0 = (*arcs)[j], &m1 = (*arcs)[(j + 1) % arcs->size()];
+          const Vec2 m = (1 - t_b) * m0.at(t_m) + t_b * m1.at(t_m);
+          const Vec2 b = f.base[j].at(t_b) * m.x() / ((1 - t_b) * m0.at(1) + t_b * m1.at(1)).norm();
+          double nearest = 1e9;
+          for (const auto& v : e.mesh.vertices)
+            nearest = std::min(nearest, (v - Vec3(b.x(), b.y(), m.y())).norm());
+          EXPECT_LT(nearest, 1e-12);
+        }
+}
+
+// Both cylinders hold their profiles the better, the finer they are.
+TEST(ShapeEstimateCylinder, DirectTessellationConverges) {
+  for (const auto& run : {generalized_cylinder, morphed_generalized_cylinder}) {
+    double last = 1;
+    for (int subdivision = 1; subdivision <= 4; ++subdivision) {
+      auto request = outlines_of(stars(4, 0.2), subdivision);
+      request.tessellation = Tessellation::Direct;
+      const double deviation = run(request, {}).deviation;
+      EXPECT_LT(deviation, 0.6 * last) << subdivision;
+      last = deviation;
+    }
+    EXPECT_LT(last, 1e-3);
+  }
+}
+
 TEST(ShapeEstimateHarmonics, CirclesMakeASphere) {
   const auto c = made::ellipse(2, 2);
   const auto e = spherical_harmonics(outlines_of({c}), {});

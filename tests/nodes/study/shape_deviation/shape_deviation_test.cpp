@@ -28,11 +28,13 @@ TEST(ShapeDeviation, AveragesAbsoluteDeviations) {
       "ShapeDeviation", {{"tables", Value::of(metrics(3, -5))}, {"tables", Value::of(metrics(-1, -1))}});
   const auto& t = run.output<Table>("table");
   ASSERT_EQ(t.rows.size(), 4u);
-  EXPECT_EQ(t.columns, (std::vector<std::string>{"measure", "sections", "other %"}));
+  EXPECT_EQ(t.columns, (std::vector<std::string>{"measure", "sections", "other %", "other signed %"}));
   EXPECT_EQ(t.number(0, "other %"), 2);
   EXPECT_EQ(t.number(1, "other %"), 4);
   EXPECT_EQ(t.number(2, "other %"), 3);
   EXPECT_EQ(t.number(3, "other %"), 6);
+  EXPECT_EQ(t.number(0, "other signed %"), 1);
+  EXPECT_EQ(t.number(2, "other signed %"), -3);
 }
 
 // The analysis from means and standard deviations is that of the values: two methods, two originals, values

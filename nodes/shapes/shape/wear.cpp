@@ -1,0 +1,91 @@
+#include "nodes/shapes/shape/wear.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/SparseCholesky>
+
+#include "nodes/common/geometry/directions.h"
+
+namespace terrazzo::shape {
+namespace {
+
+// Mass (a third of the area around each vertex) and stiffness with cotangent weights. Negative weights, of
+// flat obtuse triangles, could fold the surface and are left out.
+struct Diffusion {
+  Eigen::VectorXd mass;
+  Eigen::SparseMatrix<double> stiffness;
+};
+
+Diffusion diffusion_of(const Mesh& mesh) {
+  const Eigen::Index n = mesh.vertices.size();
+  Diffusion out{Eigen::VectorXd::Zero(n), Eigen::SparseMatrix<double>(n, n)};
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Triangle& t : mesh.triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+      const Vec3 u = mesh.vertices[b] - mesh.vertices[a], v = mesh.vertices[c] - mesh.vertices[a];
+      const double twice_area = std::max(u.cross(v).norm(), 1e-300);
+      out.mass[a] += twice_area / 6;
+      const double w = std::max(0.0, u.dot(v) / twice_area) / 2;
+      entries.insert(entries.end(), {{b, b, w}, {c, c, w}, {b, c, -w}, {c, b, -w}});
+    }
+  out.stiffness.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+std::vector<Vec3> normals_of(const Mesh& mesh) {
+  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3 n =
+        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
+    for (const int v : t) normals[v] += n;
+  }
+  for (Vec3& n : normals) n.normalize();
+  return normals;
+}
+
+}  // namespace
+
+void round_edges(Mesh& mesh, double radius, const Work& work) {
+  constexpr int kSteps = 4;  // implicit; together they are nearly a Gaussian
+  // A right-angled edge that is blurred by a Gaussian has a radius of √(π/2) of its standard deviation.
+  const double variance = radius * radius * 2 / std::numbers::pi;
+  const Diffusion d = diffusion_of(mesh);
+  Eigen::SparseMatrix<double> system = d.stiffness * (variance / 2 / kSteps);
+  system.diagonal() += d.mass;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system);
+  Eigen::MatrixX3d points(mesh.vertices.size(), 3);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) points.row(i) = mesh.vertices[i].transpose();
+  for (int step = 0; step < kSteps; ++step) {
+    work.check();
+    const Eigen::MatrixX3d right = d.mass.asDiagonal() * points;
+    points = solver.solve(right);
+  }
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) mesh.vertices[i] = points.row(i).transpose();
+}
+
+void roughen(Mesh& mesh, double sd, double diameter, Random r) {
+  constexpr int kWaves = 48;
+  std::array<Vec3, kWaves> wave;
+  std::array<double, kWaves> phase, weight;
+  double power = 0;
+  for (int i = 0; i < kWaves; ++i) {
+    const double length = diameter * r.uniform(0.125, 0.6);
+    wave[i] = random_direction(r) * (2 * std::numbers::pi / length);
+    phase[i] = r.uniform(0, 2 * std::numbers::pi);
+    weight[i] = length;
+    power += length * length / 2;
+  }
+  const std::vector<Vec3> normals = normals_of(mesh);
+  for (std::size_t k = 0; k < normals.size(); ++k) {
+    double f = 0;
+    for (int i = 0; i < kWaves; ++i) f += weight[i] * std::cos(wave[i].dot(mesh.vertices[k]) + phase[i]);
+    mesh.vertices[k] += sd * f / std::sqrt(power) * normals[k];
+  }
+}
+
+}  // namespace terrazzo::shape
