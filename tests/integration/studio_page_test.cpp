@@ -246,5 +246,32 @@ TEST_F(StudioPage, ShowsTheMaterialItsPaletteAndItsFiles) {
   EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
 }
 
+// Names that can be read, outputs as one card, and a graph that stays where it is.
+TEST_F(StudioPage, ShowsLegibleGraphs) {
+  const auto run = test::run_command({"timeout", "200", "node", "graphs.mjs", program, folder.string(),
+                                      browser, test::source_folder().string()},
+                                     here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  const std::map<std::string, int> seen = {{"1440×900", 18}, {"1024×700", 6}, {"200 %", 1}};
+  for (const auto& [size, least] : seen) {
+    const auto& shown = r["sizes"][size];
+    EXPECT_GE(shown["name"], 11.99) << size;
+    EXPECT_EQ(shown["cut"], nlohmann::json::array()) << size;
+    EXPECT_EQ(shown["over"], 0) << size;
+    EXPECT_GE(shown["seen"], least) << size;
+    EXPECT_EQ(shown["outputs"], "9 outputs") << size;
+  }
+  EXPECT_EQ(r["keeps_part"], true);
+  EXPECT_EQ(r["folded"], 6);
+  EXPECT_EQ(r["unfolded"], 9);
+  for (const char* change : {"moved_by_unfolding", "moved_by_folding", "moved_by_adding"})
+    EXPECT_EQ(r[change], nlohmann::json::array()) << change;
+  EXPECT_EQ(r["overlaps"], 0);
+  EXPECT_EQ(r["grows"], false);
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -1,11 +1,12 @@
 import {
-  applyNodeChanges, Background, BackgroundVariant, Controls, MiniMap, ReactFlow, useReactFlow, useStore as useFlow, type Connection, type Edge, type NodeChange,
+  applyNodeChanges, Background, BackgroundVariant, MiniMap, ReactFlow, useReactFlow, useStore as useFlow, type Connection, type Edge, type NodeChange,
 } from '@xyflow/react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
 import { paste, textOf } from './clipboard';
 import { typeColor } from './format';
-import { layout, nodeSize } from './layout';
+import { filesCard, FilesCard, fold, writersOf, type FilesNode } from './folded';
+import { layout, nodeSize, nodeWidth } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
@@ -13,9 +14,9 @@ import { Search, type SearchAt } from './search';
 import { bypass, declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
 
-const nodeTypes = { node: NodeCard, note: NoteCard };
+const nodeTypes = { node: NodeCard, note: NoteCard, files: FilesCard };
 const noPro = { hideAttribution: true };
-type AnyNode = GraphNode | NoteNode;
+type AnyNode = GraphNode | NoteNode | FilesNode;
 
 function wiresOf(doc: Doc, types: Map<string, NodeType>): Edge[] {
   const out: Edge[] = [];
@@ -30,6 +31,7 @@ function wiresOf(doc: Doc, types: Map<string, NodeType>): Edge[] {
         out.push({
           id: `${n.name}.${input}.${k}`, source: from.node, sourceHandle: from.port, target: n.name, targetHandle: input,
           style: { stroke: typeColor(port.types[0]) }, ariaLabel: `Wire from ${w} to ${n.name}.${input}`,
+          ...(n.name === filesCard && { selectable: false, focusable: false, deletable: false }),
         });
       });
   return out;
@@ -68,18 +70,26 @@ function wireAt(x: number, y: number): string | null {
 }
 
 const kMostNodes = 2000; // the layout of more takes minutes
+const kNames = 12; // pixels on the screen that names have at least when the graph is fitted
+const kLargestName = 24; // in a card, which it still fits
+const kLeastZoom = kNames / kLargestName;
 const countOf = (doc: Doc) => doc.node_count ?? doc.nodes.length;
 
 export function Canvas() {
-  const doc = useStore(shownDoc), root = useStore(s => s.doc), scope = useStore(s => s.scope);
-  const types = useStore(s => s.types);
+  const all = useStore(shownDoc), root = useStore(s => s.doc), scope = useStore(s => s.scope);
+  const types = useStore(s => s.types), unfolded = useStore(s => s.unfolded);
   const selected = useStore(s => s.selected);
+  const writers = useMemo(() => (all ? writersOf(all, types) : []), [all, types]);
+  const doc = useMemo(() => (all && unfolded !== all.file ? fold(all, types) : all), [all, types, unfolded]);
+  useEffect(() => { if (all && doc !== all && writers.some(n => n.name === selected)) useStore.setState({ unfolded: all.file }); }, [all, doc, writers, selected]);
   const lit = useStore(s => (s.price ? s.price.nodes.map(n => n.path) : Object.entries(s.nodes).filter(([, n]) => n.state === 'running' || n.state === 'waiting').map(([p]) => p))
     .map(p => (s.scope && p.startsWith(s.scope + '/') ? `${s.scope}/${p.slice(s.scope.length + 1).split('/')[0]}` : p.split('/')[0])).join(' '));
   const notes = useStore(s => s.arrangement.notes), arranged = useStore(s => s.arrangement.places), thumbnails = useStore(s => s.thumbnails);
   const flow = useReactFlow<AnyNode>();
-  const far = useFlow(s => s.transform[2] < 0.6);
-  const narrow = useFlow(s => s.width < 500 || s.height < 500); // the overview would cover much of the graph
+  const far = useFlow(s => s.transform[2] < 0.8);
+  const nameSize = useFlow(s => Math.min(Math.ceil(kNames / Math.min(s.transform[2], 1)), kLargestName));
+  const [overview, setOverview] = useState(false);
+  const host = useRef<HTMLDivElement>(null), fitted = useRef(false); // the view shows what fits, and nobody moved it
   const moved = useRef<Places>({}), homes = useRef<Places>({}); // where a person put nodes, and where these were before
   const dragging = useRef(false); // with the pointer, not with keys
   const shown = useRef(''), drawn = useRef(''), small = useRef(thumbnails); // the file; the names of its nodes; as they were laid out
@@ -87,33 +97,66 @@ export function Canvas() {
   const [nodes, setNodes] = useState<AnyNode[]>([]);
   const [search, setSearch] = useState<SearchAt | null>(null);
 
+  // Shows all of the graph if its names stay legible, else the part with the selected node, or the part from the left where most is.
+  const fit = useCallback((duration = 0) => {
+    const shown = flow.getNodes(), box = host.current, margin = 18;
+    const width = (box?.clientWidth ?? 0) - 2 * margin, height = (box?.clientHeight ?? 0) - 2 * margin;
+    if (!shown.length || width < 40 || height < 40) return;
+    const bounds = flow.getNodesBounds(shown), zoom = Math.min(Math.max(Math.min(width / bounds.width, height / bounds.height), kLeastZoom), 1.2);
+    const rects = shown.map(n => flow.getNodesBounds([n])), at = shown.findIndex(n => n.selected);
+    const start = (from: number, size: number, view: number, center: number) =>
+      size <= view ? from + (size - view) / 2 : Math.min(Math.max(center - view / 2, from), from + size - view);
+    const x = start(bounds.x, bounds.width, width / zoom, at < 0 ? bounds.x : rects[at].x + rects[at].width / 2);
+    const near = at < 0 ? rects.filter(r => r.x < x + width / zoom && r.x + r.width > x) : [rects[at]];
+    const y = start(bounds.y, bounds.height, height / zoom, near.reduce((sum, r) => sum + r.y + r.height / 2, 0) / Math.max(near.length, 1));
+    fitted.current = true;
+    void flow.setViewport({ x: margin - x * zoom, y: margin - y * zoom, zoom }, { duration });
+  }, [flow]);
+  useEffect(() => {
+    const observer = new ResizeObserver(() => { if (fitted.current) fit(); });
+    if (host.current) observer.observe(host.current);
+    return () => observer.disconnect();
+  }, [fit]);
+  const refit = useCallback(() => setTimeout(() => { if (fitted.current) fit(150); }, 60), [fit]); // once new cards are there
+  useEffect(() => { refit(); }, [unfolded, refit]);
+
   const arrangeAll = useCallback((keep: boolean) => {
     if (!doc || countOf(doc) > kMostNodes) return;
     if (!keep) moved.current = {}, homes.current = {}, keepPlaces(doc.file, {});
     const at = layout(doc, types);
     setNodes(before => {
-      // Nodes stay where they are, and others move out of their way.
-      // As long as nobody moved anything, nodes that come in between rearrange all.
-      const grown = before.length > 0 && doc.nodes.some(n => !before.some(b => b.id === n.name)), free = !Object.keys(moved.current).length;
-      const placed = (n: DocNode) => moved.current[n.name] ?? (keep && !(grown && free) ? before.find(b => b.id === n.name)?.position : undefined);
-      const taken = doc.nodes.filter(placed).map(n => { const { width: w, height: h } = nodeSize(n, types); return { ...placed(n)!, w, h }; });
+      // Nodes stay where they are. Others come beside the nodes that they are wired to, as they would in a new layout, or below what
+      // is there already.
+      const old = new Map(before.map(b => [b.id, b.position])), card = old.get(filesCard);
+      const placed = (n: DocNode) => moved.current[n.name] ?? (keep ? old.get(n.name) : undefined);
+      const known = new Map(doc.nodes.flatMap(n => { const p = placed(n); return p ? [[n.name, p] as const] : []; }));
+      const boxes = doc.nodes.filter(n => known.has(n.name)).map(n => { const { width: w, height: h } = nodeSize(n, types); return { ...known.get(n.name)!, w, h }; });
+      const wired = (n: DocNode) => [
+        ...Object.values(n.inputs).flat().map(w => splitWire(w, doc, types).node),
+        ...doc.nodes.filter(m => Object.values(m.inputs).flat().some(w => splitWire(w, doc, types).node === n.name)).map(m => m.name),
+      ];
       for (const n of doc.nodes) {
-        if (!taken.length || placed(n)) continue;
-        const place = at[n.name], { width: w, height: h } = nodeSize(n, types);
-        for (let k = 0; k < 60 && taken.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
-        taken.push({ ...place, w, h });
+        if (!known.size || known.has(n.name)) continue;
+        const place = { ...at[n.name] }, { width: w, height: h } = nodeSize(n, types), beside = wired(n).find(m => old.has(m) && known.has(m));
+        if (card && n.name !== filesCard && writers.some(x => x.name === n.name)) place.x = card.x, place.y = card.y; // it was in the card
+        else if (beside) place.x += known.get(beside)!.x - at[beside].x, place.y += known.get(beside)!.y - at[beside].y;
+        for (let k = 0; k < 200 && boxes.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
+        at[n.name] = place;
+        known.set(n.name, place);
+        boxes.push({ ...place, w, h });
       }
       return doc.nodes.map(n => {
         const size = nodeSize(n, types);
-        const old = before.find(b => b.id === n.name) as GraphNode | undefined;
+        const old = before.find(b => b.id === n.name);
         return {
-          ...(old ?? {}), id: n.name, type: 'node' as const, data: { node: n }, position: placed(n) ?? at[n.name],
+          ...(old ?? {}), id: n.name, data: { node: n }, position: placed(n) ?? at[n.name],
+          ...(n.name === filesCard ? { type: 'files' as const, selectable: false, draggable: false, deletable: false, focusable: false } : { type: 'node' as const }),
           selected: n.name === useStore.getState().selected, initialWidth: size.width, initialHeight: size.height,
-          ariaLabel: `Node ${n.name}, ${n.type || n.graph}`,
-        };
+          ariaLabel: n.name === filesCard ? 'Outputs' : `Node ${n.name}, ${n.type || n.graph}`,
+        } as AnyNode;
       });
     });
-  }, [doc, types]);
+  }, [doc, types, writers]);
 
   useEffect(() => {
     if (!doc) return;
@@ -131,8 +174,8 @@ export function Canvas() {
     const taller = small.current !== thumbnails && !Object.keys(moved.current).length;
     small.current = thumbnails;
     arrangeAll(!taller);
-    if (first) setTimeout(() => flow.fitView({ padding: 0.06 }), 60);
-  }, [doc, types, arrangeAll, flow, thumbnails, scope]);
+    if (first) setTimeout(fit, 60);
+  }, [doc, types, arrangeAll, fit, thumbnails, scope]);
 
   // Another page moved nodes, or places were undone.
   useEffect(() => {
@@ -238,7 +281,7 @@ export function Canvas() {
     const around = nodes.filter(n => n.selected);
     if (frame && around.length) {
       const x = Math.min(...around.map(n => n.position.x)) - 20, y = Math.min(...around.map(n => n.position.y)) - 40;
-      const right = Math.max(...around.map(n => n.position.x + (n.measured?.width ?? 172))), bottom = Math.max(...around.map(n => n.position.y + (n.measured?.height ?? 80)));
+      const right = Math.max(...around.map(n => n.position.x + (n.measured?.width ?? nodeWidth))), bottom = Math.max(...around.map(n => n.position.y + (n.measured?.height ?? 80)));
       return addNote({ x, y, width: right - x + 20, height: bottom - y + 20, text: '', frame });
     }
     const at = flow.screenToFlowPosition(here ?? { x: window.innerWidth / 4, y: 160 });
@@ -274,8 +317,8 @@ export function Canvas() {
         return e.preventDefault();
       }
       if (e.ctrlKey || e.metaKey || e.altKey) return;
-      if (e.key === 'f') void flow.fitView({ padding: 0.06, duration: 150 });
-      else if (e.key === 'l') arrangeAll(false);
+      if (e.key === 'f') fit(150);
+      else if (e.key === 'l') arrangeAll(false), refit();
       else if (e.key === 'a' && !scope) setSearch(pointer.current ?? { x: window.innerWidth / 3, y: 160 });
       // Tab moves the focus, except for users who work in the canvas with the pointer.
       else if (e.key === 'Tab' && !e.shiftKey && !scope && pointer.current) setSearch(pointer.current);
@@ -293,18 +336,38 @@ export function Canvas() {
       window.removeEventListener('copy', copied);
       window.removeEventListener('paste', pasted);
     };
-  }, [flow, arrangeAll, doc, nodes, scope]);
+  }, [fit, refit, arrangeAll, doc, nodes, scope]);
 
   if (doc && countOf(doc) > kMostNodes)
     return <main className="canvas" aria-label="Graph"><p className="none">The graph has {countOf(doc).toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
   const steps = scope ? scope.split('/') : [];
   return (
-    <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph" onPointerMove={e => { pointer.current = { x: e.clientX, y: e.clientY }; }} onPointerLeave={() => { pointer.current = null; }}>
+    <main className={`canvas${far ? ' far' : ''}`} aria-label="Graph" onPointerMove={e => { pointer.current = { x: e.clientX, y: e.clientY }; }} onPointerLeave={() => { pointer.current = null; }} style={{ '--name': `${nameSize}px` } as React.CSSProperties}>
+      <div className="tools" role="toolbar" aria-label="Graph">
+        {scope ? (
+          <nav aria-label="Subgraph"><button onClick={() => void enter('')}>{root?.name || 'Graph'}</button>
+            {steps.map((name, k) => <span key={k}> › <button aria-current={k === steps.length - 1} onClick={() => void enter(steps.slice(0, k + 1).join('/'))}>{name}</button></span>)}
+            <em> {doc?.file.split('/').pop()}, read only</em></nav>
+        ) : <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
+        <button onClick={() => { arrangeAll(false); refit(); }} title="Arrange all nodes (L)">Arrange</button>
+        <button onClick={() => fit(150)} title="Show all nodes (F)">Fit</button>
+        {!scope && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
+        {!scope && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
+        <button aria-pressed={thumbnails} title="Show pictures in the nodes" onClick={() => {
+          localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
+          useStore.setState({ thumbnails: !thumbnails });
+        }}>Pictures</button>
+        {writers.length > 0 && doc === all && <button onClick={() => { select(null); useStore.setState({ unfolded: '' }); }} title="Show the nodes that write files as one card">Fold outputs</button>}
+        <span className="right"><button aria-pressed={overview} title="Show where the view is in the graph" onClick={() => setOverview(!overview)}>Overview</button>
+        <button aria-label="Zoom out" title="Zoom out" onClick={() => { fitted.current = false; void flow.zoomOut(); }}>−</button>
+        <button aria-label="Zoom in" title="Zoom in" onClick={() => { fitted.current = false; void flow.zoomIn(); }}>+</button></span>
+      </div>
+      <div className="flow" ref={host}>
       <ReactFlow<AnyNode>
         nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} isValidConnection={valid} onConnect={connect}
         onNodeDragStart={onNodeDragStart} onNodeDrag={onNodeDrag} onNodeDragStop={onNodeDragStop} nodesConnectable={!scope}
         onNodeDoubleClick={(_, n) => { if (n.type === 'node' && n.data.node.graph) void enter(n.id); }}
-        onBeforeDelete={remove} onPaneClick={() => select(null)} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
+        onBeforeDelete={remove} onPaneClick={() => select(null)} onMoveStart={e => { if (e) fitted.current = false; }} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
         minZoom={0.1} maxZoom={2} proOptions={noPro} selectNodesOnDrag={false} nodeDragThreshold={2} onlyRenderVisibleElements={nodes.length > 80}
         onDoubleClick={e => !scope && (e.target as HTMLElement).classList.contains('react-flow__pane') && setSearch({ x: e.clientX, y: e.clientY })}
         zoomOnDoubleClick={false}
@@ -320,23 +383,8 @@ export function Canvas() {
           }
         }}>
         <Background variant={BackgroundVariant.Dots} gap={22} size={1} />
-        {!narrow && <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />}
-        <Controls showInteractive={false} aria-label="Zoom" />
+        {overview && <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />}
       </ReactFlow>
-      <div className="tools" role="toolbar" aria-label="Graph">
-        {scope ? (
-          <nav aria-label="Subgraph"><button onClick={() => void enter('')}>{root?.name || 'Graph'}</button>
-            {steps.map((name, k) => <span key={k}> › <button aria-current={k === steps.length - 1} onClick={() => void enter(steps.slice(0, k + 1).join('/'))}>{name}</button></span>)}
-            <em> {doc?.file.split('/').pop()}, read only</em></nav>
-        ) : <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
-        <button onClick={() => arrangeAll(false)} title="Arrange all nodes (L)">Arrange</button>
-        <button onClick={() => void flow.fitView({ padding: 0.06, duration: 150 })} title="Show all nodes (F)">Fit</button>
-        {!scope && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
-        {!scope && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
-        <button aria-pressed={thumbnails} title="Show pictures in the nodes" onClick={() => {
-          localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
-          useStore.setState({ thumbnails: !thumbnails });
-        }}>Pictures</button>
       </div>
       {search && <Search at={search} close={() => setSearch(null)} place={flow.screenToFlowPosition({ x: search.x, y: search.y })} />}
     </main>

@@ -3,7 +3,7 @@ import dagre from '@dagrejs/dagre';
 import { declarationOf, splitWire, useStore } from './store';
 import type { Doc, DocNode, NodeType, Port } from './types';
 
-export const nodeWidth = 172;
+export const nodeWidth = 168;
 export const rowHeight = 20;
 export const thumbHeight = 108;
 
@@ -23,7 +23,7 @@ export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
 
 export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
   const g = new dagre.graphlib.Graph();
-  g.setGraph({ rankdir: 'LR', nodesep: 18, ranksep: 46 });
+  g.setGraph({ rankdir: 'LR', nodesep: 16, ranksep: 24 });
   g.setDefaultEdgeLabel(() => ({}));
   for (const n of doc.nodes) {
     g.setNode(n.name, nodeSize(n, types));

@@ -1,5 +1,5 @@
-import { Handle, Position, useConnection, type Node, type NodeProps } from '@xyflow/react';
-import { memo, useState } from 'react';
+import { Handle, Position, useConnection, useUpdateNodeInternals, type Node, type NodeProps } from '@xyflow/react';
+import { memo, useEffect, useState } from 'react';
 import { createPortal } from 'react-dom';
 
 import { secondsText, typeColor } from './format';
@@ -45,13 +45,16 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
   });
   const elements = useStore(s => (node.each ? elementsOf(node, s.nodes) : 0));
   const inputs = declaration?.inputs ?? [];
-  const shown = selected || connecting ? inputs : inputsShown(node, inputs);
+  const shown = selected ? inputs : inputsShown(node, inputs), hidden = inputs.filter(p => !shown.includes(p));
+  // While a wire is drawn, the card under the pointer offers its other inputs below it.
+  const [over, setOver] = useState(false), offers = connecting && over && hidden.length > 0, measure = useUpdateNodeInternals();
+  useEffect(() => measure(node.name), [offers, measure, node.name]);
   const word = broken ? 'failed' : state?.state ?? 'stale';
   const time = state?.state === 'running' ? percentText(state)
     : state?.seconds ? secondsText(state.seconds) : '';
   const warnings = state?.warnings.length ?? 0;
   return (
-    <div className={`card ${word}${selected ? ' selected' : ''}${priced ? ' priced' : ''}`}>
+    <div className={`card ${word}${selected ? ' selected' : ''}${priced ? ' priced' : ''}`} onPointerEnter={() => setOver(true)} onPointerLeave={() => setOver(false)}>
       <header>
         <i className="badge" role="img" aria-label={broken ? 'has errors' : words[word]} title={broken ? 'has errors' : words[word]} />
         <b>{node.name.split('/').pop()!.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
@@ -63,9 +66,10 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
       <div className={`bar${word === 'running' && state!.progress >= 0.995 ? ' endless' : ''}`}><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">
         <div>{shown.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}
-          {shown.length < inputs.length && <small title={inputs.filter(p => !shown.includes(p)).map(p => p.name).join(', ')}>{inputs.length - shown.length} more</small>}</div>
+          {hidden.length > 0 && <small title={hidden.map(p => p.name).join(', ')}>{hidden.length} more</small>}</div>
         <div>{declaration?.outputs.map(p => <Socket key={p.name} port={p} node={node} side="out" />)}</div>
       </div>
+      {offers && <div className="more">{hidden.map(p => <Socket key={p.name} port={p} node={node} side="in" />)}</div>}
     </div>
   );
 });

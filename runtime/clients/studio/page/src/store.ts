@@ -34,6 +34,7 @@ interface Store {
   price: Price | null; // of an edit that is being made
   arrangement: Arrangement;
   thumbnails: boolean;
+  unfolded: string; // the file of the graph whose outputs are shown one by one
   wide: boolean; // the panel takes most of the window
 }
 
@@ -44,7 +45,7 @@ export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', line: null,
   start: null, starting: false, picture: null, savingAs: false, tool: null, dropper: null, extra: '', reference: null, price: null,
-  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', wide: false,
+  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
 }));
 const set = useStore.setState;
 

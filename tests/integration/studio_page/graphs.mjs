@@ -1,0 +1,147 @@
+// node graphs.mjs TERRAZZO FOLDER CHROMIUM SOURCE: reads and wires graphs in windows of several sizes. Prints the observed states as one JSON
+// object.
+import { writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { launch, report, result, start, watch } from './session.mjs';
+
+const [, , program, folder, executablePath, source] = process.argv;
+const graph = join(folder, 'outputs.yaml');
+writeFileSync(graph, `terrazzo: 1
+name: Outputs
+nodes:
+  shape: {type: Shape, params: {kind: dodecahedron}}
+  sizes: {type: Distribution, inputs: {shapes: shape.shapes}, params: {kind: lognormal, mean: 1, sd: 0.3, volume_fraction: 0.2}}
+  pack: {type: Anneal, inputs: {distribution: sizes.distribution, shapes: shape.shapes}, params: {size: 6}}
+  voxels: {type: Voxelize, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {resolution: 32}}
+  block: {type: RenderSolid, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {width: 64, height: 64, samples: 4}}
+  glb: {type: Export, inputs: {particles: pack.particles, shapes: shape.shapes}, params: {path: a.glb}}
+  vdb: {type: Export, inputs: {volume: voxels.volume}, params: {path: a.vdb}}
+  png: {type: Export, inputs: {image: block.image}, params: {path: a.png}}
+  csv: {type: Export, inputs: {particles: pack.particles}, params: {path: a.csv}}
+`);
+const sizes = { '1440×900': { width: 1440, height: 900 }, '1024×700': { width: 1024, height: 700 }, '200 %': { width: 720, height: 450, scale: 2 } };
+const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache'), '--no-live'], { cwd: folder });
+await report(server, async () => {
+  const browser = await launch(executablePath, '--enable-unsafe-swiftshader');
+  const shot = async (page, name) => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const edit = (page, edits) => page.evaluate(async edits => {
+    await fetch('/api/edit', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) });
+  }, edits);
+  const view = page => page.evaluate(() => document.querySelector('.react-flow__viewport').style.transform);
+  // Until the view has stopped.
+  const still = async page => {
+    for (let before = '', k = 0; k < 100; ++k, await page.waitForTimeout(120)) {
+      const now = await view(page);
+      if (now === before && now) return now;
+      before = now;
+    }
+    throw new Error('the view never stops');
+  };
+  const fits = page => page.waitForFunction(() => {
+    const flow = document.querySelector('.flow').getBoundingClientRect(), cards = [...document.querySelectorAll('.card')].map(c => c.getBoundingClientRect());
+    return cards.length && cards.every(c => c.left >= flow.left && c.right <= flow.right && c.top >= flow.top && c.bottom <= flow.bottom);
+  });
+  const places = page => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('.react-flow__node')].map(n => [n.dataset.id, n.style.transform])));
+
+  // The standard graph, with names that can be read, and nothing over the graph.
+  const standard = await start(program, [join(source, 'graphs/materials/terrazzo.yaml'), '--cache', join(folder, 'cache2'), '--no-live'], { cwd: folder });
+  result.sizes = {};
+  for (const [name, { width, height, scale }] of Object.entries(sizes)) {
+    const page = await browser.newPage({ viewport: { width, height }, deviceScaleFactor: scale ?? 1, colorScheme: name === '1024×700' ? 'light' : 'dark' });
+    const { check } = watch(page);
+    await page.goto(standard.address);
+    await page.waitForSelector('.card.folded');
+    await still(page);
+    result.sizes[name] = await page.evaluate(() => {
+      const names = [...document.querySelectorAll('.card header b')], flow = document.querySelector('.flow').getBoundingClientRect();
+      return {
+        name: Math.min(...names.map(b => parseFloat(getComputedStyle(b).fontSize) * b.getBoundingClientRect().width / b.offsetWidth)),
+        cut: names.filter(b => Math.round(b.offsetHeight / parseFloat(getComputedStyle(b).lineHeight)) > b.textContent.split('_').length || b.scrollHeight > b.offsetHeight + 4 || b.scrollWidth > b.offsetWidth + 2).map(b => b.textContent),
+        over: [...document.querySelectorAll('.tools, .react-flow__minimap, .react-flow__controls')].filter(e => e.getBoundingClientRect().bottom > flow.top + 1).length,
+        seen: [...document.querySelectorAll('.card')].filter(c => { const r = c.getBoundingClientRect(); return r.left >= flow.left && r.right <= flow.right && r.top >= flow.top && r.bottom <= flow.bottom; }).length,
+        outputs: document.querySelector('.card.folded b').textContent,
+      };
+    });
+    if (name === '200 %') await check(name);
+    await shot(page, `graph_${width}`);
+    await page.close();
+  }
+  standard.server.kill();
+
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
+  page.setDefaultTimeout(60000);
+  const { card, until, check } = watch(page);
+  await page.goto(address);
+  await page.waitForSelector('.card.folded');
+  await fits(page);
+  await still(page);
+
+  // A window of another size shows all, unless the user chose a part.
+  await page.setViewportSize({ width: 1100, height: 640 });
+  await fits(page);
+  result.smaller = await still(page);
+  await page.mouse.move(300, 500);
+  await page.mouse.wheel(0, -300);
+  await page.waitForFunction(before => document.querySelector('.react-flow__viewport').style.transform !== before, result.smaller);
+  const chosen = await still(page);
+  await page.setViewportSize({ width: 1440, height: 900 });
+  result.keeps_part = (await still(page)) === chosen;
+  await page.click('button:text-is("Fit")');
+  await fits(page);
+
+  // The outputs one by one, and as one card again. Nothing else moves.
+  const before = await places(page);
+  result.folded = await page.locator('.card').count();
+  await shot(page, 'folded');
+  await page.click('.card.folded >> text=nodes');
+  await card('csv').waitFor();
+  await fits(page);
+  await still(page);
+  result.unfolded = await page.locator('.card').count();
+  const open = await places(page);
+  result.moved_by_unfolding = Object.keys(before).filter(n => open[n] && open[n] !== before[n]);
+  await shot(page, 'unfolded');
+  await check('unfolded');
+  await page.click('button:text-is("Fold outputs")');
+  await page.waitForSelector('.card.folded');
+  await fits(page);
+  await still(page);
+  const again = await places(page);
+  result.moved_by_folding = Object.keys(before).filter(n => again[n] !== before[n]);
+
+  // A node that comes in between moves nothing, and covers nothing.
+  await edit(page, [
+    { op: 'add', node: 'tint', type: 'Colorize' }, { op: 'connect', node: 'tint', name: 'particles', wires: ['pack.particles'] },
+    { op: 'connect', node: 'voxels', name: 'particles', wires: ['tint.particles'] },
+  ]);
+  await card('tint').waitFor();
+  const grown = await places(page);
+  result.moved_by_adding = Object.keys(before).filter(n => grown[n] !== before[n]);
+  result.overlaps = await page.evaluate(() => {
+    const all = [...document.querySelectorAll('.card')].map(c => c.getBoundingClientRect());
+    return all.filter((a, k) => all.some((b, l) => l > k && a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1)).length;
+  });
+
+  // A wire that is drawn to an optional input: no card grows.
+  await page.click('button:text-is("Fit")');
+  await fits(page);
+  await still(page);
+  const heights = () => page.evaluate(() => [...document.querySelectorAll('.card')].map(c => c.offsetHeight).join(' '));
+  const tall = await heights();
+  const from = await card('shape').locator('.react-flow__handle.source').boundingBox(), to = await card('sizes').boundingBox();
+  await edit(page, [{ op: 'connect', node: 'sizes', name: 'shapes', wires: [] }]);
+  await until('sizes has no wire', s => !Object.keys(s.document.nodes.find(n => n.name === 'sizes').inputs.shapes ?? []).length);
+  await page.waitForFunction(() => !document.querySelector('.react-flow__edge[data-id="sizes.shapes.0"]'));
+  const short = await heights();
+  await page.mouse.move(from.x + from.width / 2, from.y + from.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(to.x + to.width / 2, to.y + 12, { steps: 6 });
+  await page.waitForSelector('.more');
+  result.grows = (await heights()) !== short;
+  const handle = await page.locator('.more .socket', { hasText: 'shapes' }).locator('.react-flow__handle').boundingBox();
+  await shot(page, 'wiring');
+  await page.mouse.move(handle.x + handle.width / 2 + 3, handle.y + handle.height / 2, { steps: 6 });
+  await page.mouse.up();
+  await until('sizes has its wire', s => s.document.nodes.find(n => n.name === 'sizes').inputs.shapes?.[0]?.startsWith('shape'));
+  await page.waitForFunction(tall => [...document.querySelectorAll('.card')].map(c => c.offsetHeight).join(' ') === tall, tall);
+});
