@@ -14,7 +14,7 @@ namespace terrazzo::homogenize {
 // 1965), and vanish on the walls, which are the faces of voxels that are not open. Fixed: a given pressure on
 // two opposite faces, to which the velocity is normal, and walls on the others. By MINRES; the preconditioner
 // is a V-cycle for each component of the velocity, and for the pressure the sum of the identity, which is
-// right within pores, and of a W-cycle of Darcy's law along them (after Cahouet and Chabard 1988). The
+// right within pores, and of some W-cycles of Darcy's law along them (after Cahouet and Chabard 1988). The
 // residual is that of the preconditioned system. `potential` of the result is the pressure, less its mean
 // slope, and `flow` the speed. Throws Error "not-converged", "too-large".
 Solved permeate(const PhaseMap&, const std::vector<char>& open, Boundary,

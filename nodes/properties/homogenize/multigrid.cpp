@@ -1,5 +1,6 @@
 #include "nodes/properties/homogenize/multigrid.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -11,6 +12,10 @@ namespace {
 constexpr int kCoarsestSweeps = 16;
 constexpr int kSweeps = 2;              // before and after each correction
 constexpr double kLeastEnergy = 1e-12;  // of one step to the next, so that rounding leaves some
+// Of the solution from which the spectrum is read, and how far it may reach beyond.
+constexpr double kSpectrum = 1e-3, kBeyond = 1.05;
+constexpr int kManySteps = 1000;
+constexpr double kMostCycles = 8;  // of a polynomial
 // Merged cells conduct twice as well as they should, since the potential in each is constant. The correction
 // is enlarged accordingly, by a little less than two (Braess 1995).
 constexpr float kEnlarged = 1.9F;
@@ -174,7 +179,7 @@ template void Multigrid::apply(const std::vector<float>&, std::vector<double>&, 
 template void Multigrid::apply(const std::vector<double>&, std::vector<double>&, const Work&) const;
 
 Convergence solve(Multigrid& system, const std::vector<double>& b, double energy, std::vector<double>& x,
-                  const Accuracy& accuracy, const Work& work) {
+                  const Accuracy& accuracy, const Work& work, std::vector<Step>* steps) {
   const std::size_t n = b.size();
   std::vector<double> r = b, p(n, 0), q(n);
   std::vector<float> z(n);
@@ -198,11 +203,83 @@ Convergence solve(Multigrid& system, const std::vector<double>& b, double energy
     system.apply(p, q, work);
     const double alpha = rz / dot(p, q, work);
     if (!std::isfinite(alpha)) throw stalled(out, accuracy.tolerance);
+    if (steps) steps->push_back({alpha, beta});
     each(n, work, [&](std::size_t i) {
       x[i] += alpha * p[i];
       r[i] -= alpha * q[i];
     });
     energy = std::max(energy - alpha * rz, kLeastEnergy * energy);
+  }
+}
+
+namespace {
+
+// Smallest and largest eigenvalue of a system after its preconditioner, nearly, from steps of conjugate
+// gradients (Saad 2003, section 6.7.3).
+Eigen::Vector2d ends_of_spectrum(const std::vector<Step>& steps) {
+  const Eigen::Index n = static_cast<Eigen::Index>(steps.size());
+  Eigen::VectorXd diagonal(n), beside(n - 1);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const Step& step = steps[k];
+    diagonal[k] = 1 / step.length;
+    if (k == 0) continue;
+    diagonal[k] += step.kept / steps[k - 1].length;
+    beside[k - 1] = std::sqrt(step.kept) / steps[k - 1].length;
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
+  solver.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+  return {solver.eigenvalues()[0], solver.eigenvalues()[n - 1]};
+}
+
+}  // namespace
+
+Polynomial::Polynomial(std::unique_ptr<Multigrid> system, double rest, const Work& work)
+    : system_(std::move(system)) {
+  const std::size_t n = system_->cells().length();
+  std::vector<double> slope(n, 0), x;
+  rest_.assign(n, 0);
+  product_.assign(n, 0);
+  step_.assign(n, 0);
+  cycle_.assign(n, 0);
+  // A mean slope along all axes, whose solution has parts of all lengths.
+  each_segment(system_->cells(), work, [&](const Segment& s, int) {
+    for (int i = 0; i < s.length; ++i)
+      for (int a = 0; a < 3; ++a)
+        slope[s.at + i] +=
+            static_cast<double>(system_->face(a)[s.at + i]) - system_->face(a)[s.previous(a, i)];
+  });
+  std::vector<Step> steps;
+  solve(*system_, slope, 0, x, {kSpectrum, kManySteps}, work.quiet(), &steps);
+  const Eigen::Vector2d ends = steps.empty() ? Eigen::Vector2d(1, 1) : ends_of_spectrum(steps);
+  low_ = ends[0];
+  high_ = kBeyond * ends[1];
+  const double middle = (high_ + low_) / (high_ - low_);
+  const double needed = std::ceil(std::acosh(1 / rest) / std::acosh(middle));
+  cycles_ = static_cast<int>(std::clamp(needed, 1.0, kMostCycles));
+}
+
+double Polynomial::bytes(const std::vector<Cells>& levels) {
+  return 24.0 * static_cast<double>(levels.front().length());
+}
+
+void Polynomial::precondition(const std::vector<double>& r, std::vector<float>& z, const Work& work) {
+  const double middle = (high_ + low_) / 2, half = (high_ - low_) / 2;
+  double rho = half / middle;
+  system_->precondition(r, cycle_, work);
+  each(r.size(), work, [&](std::size_t i) {
+    rest_[i] = r[i];
+    step_[i] = z[i] = static_cast<float>(cycle_[i] / middle);
+  });
+  for (int k = 1; k < cycles_; ++k) {
+    system_->apply(step_, product_, work);
+    each(r.size(), work, [&](std::size_t i) { rest_[i] -= product_[i]; });
+    system_->precondition(rest_, cycle_, work);
+    const double next = 1 / (2 * middle / half - rho), kept = next * rho, fresh = 2 * next / half;
+    rho = next;
+    each(r.size(), work, [&](std::size_t i) {
+      step_[i] = static_cast<float>(kept * step_[i] + fresh * cycle_[i]);
+      z[i] += step_[i];
+    });
   }
 }
 

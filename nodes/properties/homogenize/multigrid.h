@@ -57,11 +57,36 @@ class Multigrid {
   int visits_;
 };
 
+// One step of conjugate gradients: its length, and how much of the last direction the next one takes.
+struct Step {
+  double length, kept;
+};
+
 // Solves A x = b by conjugate gradients, from zero. Stops when the residual is at most `tolerance`, and so is
 // the error of energy − b·x relative to that difference, an effective value, as far as the preconditioner can
 // tell; 0: no such value. Throws Error "not-converged" with the residual if the iterations do not suffice. A
-// singular A needs a `b` without a component in its null space.
+// singular A needs a `b` without a component in its null space. `steps`: receives the steps, if it is not
+// null.
 Convergence solve(Multigrid&, const std::vector<double>& b, double energy, std::vector<double>& x,
-                  const Accuracy&, const Work&);
+                  const Accuracy&, const Work&, std::vector<Step>* steps = nullptr);
+
+// A better preconditioner: a polynomial of cycles that leaves a share `rest` of the error, or more if that
+// takes too many, by the iteration of Chebyshev (Saad 2003, algorithm 12.1). Unlike conjugate gradients, it
+// is linear.
+class Polynomial {
+ public:
+  Polynomial(std::unique_ptr<Multigrid>, double rest, const Work&);
+
+  void precondition(const std::vector<double>& r, std::vector<float>& z, const Work&);
+
+  static double bytes(const std::vector<Cells>&);  // beside the system's
+
+ private:
+  std::unique_ptr<Multigrid> system_;
+  double low_, high_;  // eigenvalues of the system after one cycle
+  int cycles_;
+  std::vector<double> rest_, product_;
+  std::vector<float> step_, cycle_;
+};
 
 }  // namespace terrazzo::homogenize
