@@ -39,7 +39,7 @@ namespace terrazzo {
 
 NodeType grain_size_node() {
   using namespace grain_size;
-  return NodeType("GrainSize", 1)
+  return NodeType("GrainSize", 2)
       .doc_(
           "Reports the sizes of profiles as sedimentologists and metallographers do: percentiles by number, "
           "area and weight, mean intercepts and ASTM grain size numbers, with 90 % intervals. Sizes are "

@@ -140,7 +140,7 @@ namespace terrazzo {
 
 NodeType shape_families_node() {
   using namespace shape_families;
-  return NodeType("ShapeFamilies", 4)
+  return NodeType("ShapeFamilies", 5)
       .doc_(
           "Compares families of particle shapes by how well they predict profiles that were held out, and "
           "reports how much the number of particles depends on the choice.")

@@ -20,7 +20,8 @@ int poisson_1(Random& random) {
 
 double quantile(std::vector<double>& values, double q) {
   std::sort(values.begin(), values.end());
-  const double at = q * (values.size() - 1);
+  const double last = values.size() - 1.0;
+  const double at = std::clamp(q * (values.size() + 1) - 1, 0.0, last);
   const std::size_t i = at;
   const std::size_t j = std::min(i + 1, values.size() - 1);
   return values[i] + (at - i) * (values[j] - values[i]);

@@ -17,7 +17,8 @@ struct Intervals {
   std::vector<double> low, high;  // 5 % and 95 % quantiles
 };
 
-// By linear interpolation. Sorts the values, of which there is at least one.
+// Between values number q·(n + 1), by linear interpolation: a further value lies below it with probability q
+// (type 6 of Hyndman and Fan 1996). Sorts the values, of which there is at least one.
 double quantile(std::vector<double>& values, double q);
 
 // How often each profile appears in one repetition. A Poisson number of times with mean 1, because the number

@@ -74,7 +74,7 @@ void compute(Context& c) {
   table.columns = {"distribution",   "method",     "L1 error",
                    "standard error", "N_V / true", "coverage of 90 % intervals",
                    "refused"};
-  densities.columns = {"distribution", "method", "from mm", "to mm", "N_V true mm⁻³", "N_V mm⁻³"};
+  densities.columns = {"distribution", "method", "from mm", "to mm", "N_V true mm⁻³", "N_V mm⁻³", "coverage"};
   std::vector<Plot> panels;
   for (std::size_t t = 0; t < truths.size(); ++t) {
     const auto share = [&](std::size_t i) { return static_cast<double>(i) / truths.size(); };
@@ -88,7 +88,8 @@ void compute(Context& c) {
                             cell(r.coverage), static_cast<double>(r.refused)});
       for (std::size_t j = 0; j < r.N_V.size(); ++j)
         densities.rows.push_back({name, r.method, r.edges[j], r.edges[j + 1],
-                                  truth.between(r.edges[j], r.edges[j + 1]), r.N_V[j]});
+                                  truth.between(r.edges[j], r.edges[j + 1]), r.N_V[j],
+                                  cell(r.class_coverage[j])});
       if (r.refused > 0)
         c.warn(
             fmt::format("{} of {} repetitions of {} on {} failed with impossible densities; they are "
@@ -111,7 +112,7 @@ namespace terrazzo {
 
 NodeType unfold_study_node() {
   using namespace unfold_study;
-  return NodeType("UnfoldStudy", 6)
+  return NodeType("UnfoldStudy", 7)
       .doc_(
           "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "
           "show and unfolds them with every method, many times. All methods see the same profiles. Settings "
@@ -122,7 +123,9 @@ NodeType unfold_study_node() {
              "Section statistics of the particle shapes, for both sampling and unfolding")
       .output("table", "Table",
               "Mean of Σ|ΔN_V|/ΣN_V for each distribution and method, with its standard error")
-      .output("densities", "Table", "True and recovered N_V by class, from the first successful repetition")
+      .output("densities", "Table",
+              "True and recovered N_V by class, from the first successful repetition, and the coverage of "
+              "that class's intervals in all")
       .output("figure", "Image", "Bar charts of the same densities, as in figure 7")
       .parameter(Parameter::texts("methods", {"em", "nnls", "inverse", "equation 4"})
                      .doc_("Unfolding methods to compare: em, nnls and inverse (as in Unfold), and equation "
@@ -142,10 +145,12 @@ NodeType unfold_study_node() {
               .doc_("Upper end of the size classes. estimated: as Unfold estimates it. known: the "
                     "largest true size; it also sets smallest_visible to 0. largest_profile: the size whose "
                     "largest section is the largest profile (equation 7), which is too small."))
-      .parameter(Parameter::integer("bootstrap", 0)
-                     .range(0, 100000)
-                     .doc_("Number of bootstrap repetitions per observation for the intervals of em and "
-                           "nnls, whose coverage is then reported. 0: no intervals."))
+      .parameter(
+          Parameter::integer("bootstrap", 0)
+              .range(0, 100000)
+              .doc_("Number of bootstrap repetitions per observation for the intervals of em and "
+                    "nnls. Their coverage is then reported, over classes whose particles show at least one "
+                    "profile on average. 0: no intervals."))
       .parameter(
           Parameter::with_keyword(ParameterKind::Texts, "names", "none").doc_("Names of the distributions"))
       .parameter(Parameter::seed().doc_("Random seed of the profiles"))

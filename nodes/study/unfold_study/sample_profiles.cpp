@@ -35,6 +35,17 @@ double TrueSizes::between(double low, double high) const {
   return sum;
 }
 
+double TrueSizes::profiles_between(double low, double high) const {
+  double sum = 0, all = 0;
+  for (std::size_t j = 0; j < N_V_.size(); ++j) {
+    const double a = edges_[j], b = edges_[j + 1];
+    const double from = std::clamp(low, a, b), to = std::clamp(high, a, b);
+    all += N_V_[j] * (a + b) / 2;
+    if (b > a) sum += N_V_[j] * (to * to - from * from) / (2 * (b - a));
+  }
+  return sum / all;
+}
+
 ProfileSampler::ProfileSampler(const TrueSizes& truth, const KMatrix& k) : k_(k) {
   double probability = 0, seen = 0;
   for (const auto& e : k.shapes) probability += e.probability;

@@ -19,6 +19,8 @@ class TrueSizes {
   explicit TrueSizes(const SizeDistribution&);
   double total() const { return total_; }         // per mm³
   double between(double low, double high) const;  // per mm³, of sizes in mm
+  // Share of all profiles that particles of these sizes show: planes meet them in proportion to their size.
+  double profiles_between(double low, double high) const;
   double largest() const { return edges_.back(); }
   const std::vector<double>& edges() const { return edges_; }
   const std::vector<double>& density() const { return N_V_; }  // per mm³ and class

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <span>
 
 #include "graph/diagnostic.h"
@@ -18,13 +19,20 @@ using namespace unfolding;
 struct Trial {
   bool refused = false;
   double error = 0, total = 0;
-  int held = 0, intervals = 0;
+  std::vector<char> held, occupied;  // by class
   std::vector<double> edges, N_V;
 };
 
-Trial judge(const TrueSizes& truth, const SizeDistribution& d, bool intervals) {
+// Intervals of classes that no profile tells of start at zero and always hold: they count from this expected
+// number of profiles on.
+constexpr double kOccupied = 1;
+
+// `profiles`: their expected number, for intervals; otherwise 0.
+Trial judge(const TrueSizes& truth, const SizeDistribution& d, double profiles) {
   Trial t;
   t.edges = d.class_edges;
+  t.held.assign(d.classes(), false);
+  t.occupied.assign(d.classes(), false);
   double inside = 0;
   for (std::size_t j = 0; j < d.classes(); ++j) {
     double value = 0, low = 0, high = 0;
@@ -38,10 +46,10 @@ Trial judge(const TrueSizes& truth, const SizeDistribution& d, bool intervals) {
     t.error += std::abs(value - actual);
     t.total += value;
     inside += actual;
-    if (!intervals) continue;
+    if (profiles * truth.profiles_between(d.class_edges[j], d.class_edges[j + 1]) < kOccupied) continue;
     const double rounding = 1e-9 * truth.total();
-    t.held += actual >= low - rounding && actual <= high + rounding;
-    ++t.intervals;
+    t.held[j] = actual >= low - rounding && actual <= high + rounding;
+    t.occupied[j] = true;
   }
   t.error = (t.error + truth.total() - inside) / truth.total();
   t.total /= truth.total();
@@ -53,7 +61,7 @@ MethodResult summary_of(const std::string& method, std::span<Trial> trials) {
   MethodResult out;
   out.method = method;
   double squares = 0;
-  int held = 0, intervals = 0;
+  std::vector<double> held, occupied;
   for (Trial& t : trials) {
     if (t.refused) {
       ++out.refused;
@@ -66,15 +74,22 @@ MethodResult summary_of(const std::string& method, std::span<Trial> trials) {
     out.error += t.error;
     squares += t.error * t.error;
     out.total += t.total;
-    held += t.held;
-    intervals += t.intervals;
+    held.resize(std::max(held.size(), t.held.size()));
+    occupied.resize(held.size());
+    for (std::size_t j = 0; j < t.held.size(); ++j) {
+      held[j] += t.held[j];
+      occupied[j] += t.occupied[j];
+    }
   }
   const double n = count_of(trials) - out.refused;
   const double none = std::numeric_limits<double>::quiet_NaN();
   out.error = n > 0 ? out.error / n : none;
   out.total = n > 0 ? out.total / n : none;
   out.error_of_mean = n > 1 ? std::sqrt(std::max(0.0, squares / n - out.error * out.error) / (n - 1)) : none;
-  out.coverage = intervals > 0 ? static_cast<double>(held) / intervals : none;
+  const auto share = [&](double part, double whole) { return whole > 0 ? part / whole : none; };
+  for (std::size_t j = 0; j < held.size(); ++j) out.class_coverage.push_back(share(held[j], occupied[j]));
+  out.coverage = share(std::accumulate(held.begin(), held.end(), 0.0),
+                       std::accumulate(occupied.begin(), occupied.end(), 0.0));
   return out;
 }
 
@@ -108,7 +123,7 @@ std::vector<MethodResult> study(const SizeDistribution& distribution, const KMat
       if (options.largest == LargestSize::Known) o.smallest_visible = 0;
       try {
         const SizeDistribution found = unfold(profiles, paper ? upper : k, o, work.quiet()).distribution;
-        trials[m * repetitions + r] = judge(truth, found, o.bootstrap > 0);
+        trials[m * repetitions + r] = judge(truth, found, o.bootstrap > 0 ? options.profiles : 0);
         d_max = found.d_max;
       } catch (const Error& e) {
         if (e.diagnostic().code != "unstable" && e.diagnostic().code != "singular") throw;

@@ -34,9 +34,12 @@ struct MethodResult {
   std::string method;
   double error = 0, error_of_mean = 0;  // Σ|ΔN_V|/ΣN_V, mean over the repetitions and its standard error
   double total = 0;                     // ΣN_V estimated / true, mean
-  double coverage = 0;             // share of 90 % intervals that contain the truth; NaN without intervals
-  int refused = 0;                 // repetitions that ended in an error; excluded from the means
-  std::vector<double> edges, N_V;  // of the first repetition that was not refused
+  // Share of 90 % intervals that contain the truth, among classes whose particles show at least one of the
+  // expected profiles; NaN without intervals.
+  double coverage = 0;
+  std::vector<double> class_coverage;  // the same by class
+  int refused = 0;                     // repetitions that ended in an error; excluded from the means
+  std::vector<double> edges, N_V;      // of the first repetition that was not refused
 };
 
 // Every method sees the same profiles. Errors are summed over the classes of the estimate and compare it with

@@ -60,6 +60,19 @@ TEST(TrueSizes, SumsWithinEdges) {
   EXPECT_THROW(TrueSizes(uniform(1, 2, 0)), Error);
 }
 
+// Planes meet particles in proportion to their size: of sizes 0 to 4, a quarter of the particles is between 2
+// and 3, but (9 − 4)/16 of the profiles.
+TEST(TrueSizes, ProfilesAreWeightedBySize) {
+  SizeDistribution d;
+  d.class_edges = {0, 4};
+  d.shapes.resize(1);
+  d.shapes[0].N_V = {1};
+  const TrueSizes t(d);
+  EXPECT_NEAR(t.profiles_between(2, 3), 5.0 / 16, 1e-12);
+  EXPECT_NEAR(t.profiles_between(-1, 9), 1, 1e-12);
+  EXPECT_EQ(t.profiles_between(4, 9), 0);
+}
+
 TEST(UnfoldStudy, ErrorsFallWithMoreProfilesAndEquation4KeepsItsBias) {
   StudyOptions o;
   o.methods = {"em", "nnls", "inverse", "equation 4"};
