@@ -246,7 +246,8 @@ TEST_F(StudioPage, ShowsTheMaterialItsPaletteAndItsFiles) {
   EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
 }
 
-// Names that can be read, outputs as one card, and a graph that stays where it is.
+// Names that can be read, outputs as one card, a graph that stays where it is, wires, and files that are no
+// photographs.
 TEST_F(StudioPage, ShowsLegibleGraphs) {
   const auto run = test::run_command({"timeout", "200", "node", "graphs.mjs", program, folder.string(),
                                       browser, test::source_folder().string()},
@@ -267,10 +268,19 @@ TEST_F(StudioPage, ShowsLegibleGraphs) {
   EXPECT_EQ(r["keeps_part"], true);
   EXPECT_EQ(r["folded"], 6);
   EXPECT_EQ(r["unfolded"], 9);
+  EXPECT_EQ(r["path_in_view"], true);
+  EXPECT_EQ(r["inputs"][0], 1);
+  EXPECT_GT(r["inputs"][1], 10);
   for (const char* change : {"moved_by_unfolding", "moved_by_folding", "moved_by_adding"})
     EXPECT_EQ(r[change], nlohmann::json::array()) << change;
   EXPECT_EQ(r["overlaps"], 0);
   EXPECT_EQ(r["grows"], false);
+  EXPECT_EQ(r["wire"], nlohmann::json::array({"block.shapes.0"}));
+  EXPECT_EQ(r["nodes_kept"], true);
+  EXPECT_EQ(r["front"], nlohmann::json::array({"sizes"}));
+  EXPECT_NE(r["refused"].get<std::string>().find("notes.jpg"), std::string::npos) << r["refused"];
+  EXPECT_EQ(r["can_create"], 0);
+  EXPECT_EQ(r["save_as"], 0);
 }
 
 }  // namespace

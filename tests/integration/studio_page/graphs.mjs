@@ -70,7 +70,7 @@ await report(server, async () => {
 
   const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
   page.setDefaultTimeout(60000);
-  const { card, until, check } = watch(page);
+  const { card, state, until, check } = watch(page);
   await page.goto(address);
   await page.waitForSelector('.card.folded');
   await fits(page);
@@ -102,6 +102,14 @@ await report(server, async () => {
   result.moved_by_unfolding = Object.keys(before).filter(n => open[n] && open[n] !== before[n]);
   await shot(page, 'unfolded');
   await check('unfolded');
+  await card('vdb').locator('header').click();
+  const path = await page.locator('#field-path').boundingBox();
+  result.path_in_view = path.y + path.height < 900;
+  const offered = () => page.locator('[id^=input-]').count();
+  result.inputs = [await offered()];
+  await page.click('text=more optional inputs');
+  result.inputs.push(await offered());
+  await page.click('.react-flow__pane', { position: { x: 20, y: 20 } });
   await page.click('button:text-is("Fold outputs")');
   await page.waitForSelector('.card.folded');
   await fits(page);
@@ -144,4 +152,52 @@ await report(server, async () => {
   await page.mouse.up();
   await until('sizes has its wire', s => s.document.nodes.find(n => n.name === 'sizes').inputs.shapes?.[0]?.startsWith('shape'));
   await page.waitForFunction(tall => [...document.querySelectorAll('.card')].map(c => c.offsetHeight).join(' ') === tall, tall);
+
+  // A wire is selected and deleted where it can be seen. A card in front of it is selected alone, and is not deleted with the wire.
+  const nodesNow = async () => (await state()).document.nodes;
+  const half = where => page.evaluate(([id, at]) => {
+    const path = document.querySelector(`.react-flow__edge[data-id="${id}"] .react-flow__edge-path`), p = path.getPointAtLength(path.getTotalLength() * at).matrixTransform(path.getScreenCTM());
+    return [p.x, p.y];
+  }, where);
+  const chosenNow = () => page.evaluate(() => [...document.querySelectorAll('.react-flow__node.selected, .react-flow__edge.selected')].map(e => e.dataset.id));
+  await card('sizes').locator('header').click();
+  await page.waitForSelector('.react-flow__node.selected[data-id="sizes"]');
+  await page.mouse.click(...await half(['block.shapes.0', 0.97]));
+  await page.waitForSelector('.react-flow__edge.selected');
+  result.wire = await chosenNow();
+  await edit(page, [{ op: 'set', node: 'shape', name: 'size', value: '2' }]); // what arrives meanwhile selects nothing
+  await page.waitForFunction(async () => (await (await fetch('/api/state')).json()).document.text.includes('size: 2'));
+  await page.mouse.click(...await half(['block.shapes.0', 0.97]));
+  await page.waitForSelector('.react-flow__edge.selected');
+  const count = (await nodesNow()).length;
+  await page.keyboard.press('Delete');
+  await until('the wire is deleted', s => !s.document.nodes.find(n => n.name === 'block').inputs.shapes);
+  result.nodes_kept = (await nodesNow()).length === count;
+  await page.keyboard.press('Control+z');
+  await page.waitForSelector('.react-flow__edge[data-id="block.shapes.0"]', { state: 'attached' });
+  const front = await card('sizes').boundingBox();
+  await page.mouse.click(front.x + front.width / 2, front.y + front.height * 0.55);
+  await page.waitForSelector('.react-flow__node.selected[data-id="sizes"]');
+  result.front = await chosenNow();
+  await page.keyboard.press('Escape');
+
+  // `Save as` belongs to the page on which it was opened, and a text is no photograph.
+  await page.click('button:text-is("Save as…")');
+  await page.waitForSelector('form.save');
+  const files = await page.evaluateHandle(() => {
+    const files = new DataTransfer();
+    files.items.add(new File(['This is a text.'], 'notes.jpg', { type: 'image/jpeg' }));
+    return files;
+  });
+  for (const type of ['dragover', 'drop']) await page.dispatchEvent('.canvas', type, { dataTransfer: files });
+  await page.waitForSelector('.new[role=alert]');
+  const expected = result.errors.findIndex(e => /status of 400/.test(e)); // the browser's word for the refusal
+  if (expected >= 0) result.errors.splice(expected, 1);
+  result.refused = await page.textContent('.new .bad');
+  result.can_create = await page.locator('text=Create the material').count();
+  result.save_as = await page.locator('form.save').count();
+  await shot(page, 'refused');
+  await check('refused');
+  await page.click('text=Choose another picture');
+  await page.waitForSelector('.drop');
 });

@@ -1,5 +1,5 @@
 import {
-  applyNodeChanges, Background, BackgroundVariant, MiniMap, ReactFlow, useReactFlow, useStore as useFlow, type Connection, type Edge, type NodeChange,
+  applyNodeChanges, Background, BackgroundVariant, MiniMap, ReactFlow, useReactFlow, useStore as useFlow, type Connection, type Edge, type EdgeChange, type NodeChange,
 } from '@xyflow/react';
 import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
@@ -195,10 +195,17 @@ export function Canvas() {
     selected: before[k]?.selected ?? false, ariaLabel: `${note.frame ? 'Frame' : 'Note'}: ${note.text}`,
   }))), [notes, scope]);
 
+  // A selected wire and a selected node at once would both be deleted, so a click on a wire selects nothing else.
+  const [cuts, setCuts] = useState<ReadonlySet<string>>(new Set());
+  const onEdgesChange = useCallback((changes: EdgeChange[]) => {
+    for (const c of changes) if (c.type === 'select') setCuts(before => { const now = new Set(before); c.selected ? now.add(c.id) : now.delete(c.id); return now; });
+  }, []);
+  useEffect(() => setCuts(new Set()), [doc]);
+
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, className: running.has(e.target) ? 'lit' : '' })) : [];
-  }, [doc, types, lit]);
+    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, selected: cuts.has(e.id), className: running.has(e.target) ? 'lit' : '' })) : [];
+  }, [doc, types, lit, cuts]);
 
   const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
     const isNote = (c: NodeChange<AnyNode>) => 'id' in c && c.id.startsWith('note ');
@@ -364,7 +371,7 @@ export function Canvas() {
       </div>
       <div className="flow" ref={host}>
       <ReactFlow<AnyNode>
-        nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} isValidConnection={valid} onConnect={connect}
+        nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} onEdgesChange={onEdgesChange} onEdgeClick={() => select(null)} isValidConnection={valid} onConnect={connect}
         onNodeDragStart={onNodeDragStart} onNodeDrag={onNodeDrag} onNodeDragStop={onNodeDragStop} nodesConnectable={!scope}
         onNodeDoubleClick={(_, n) => { if (n.type === 'node' && n.data.node.graph) void enter(n.id); }}
         onBeforeDelete={remove} onPaneClick={() => select(null)} onMoveStart={e => { if (e) fitted.current = false; }} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"

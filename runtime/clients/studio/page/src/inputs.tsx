@@ -1,10 +1,17 @@
+import { useState } from 'react';
+
 import { declarationOf, edit, select, shownDoc, splitWire, useStore } from './store';
 import type { DocNode, Port } from './types';
+
+const kMostFree = 4;
 
 // The wires that lead to a node, as lists: with the keyboard, and where wires are long, they are easier to change here than in the graph.
 export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
   const doc = useStore(shownDoc), types = useStore(s => s.types), inside = useStore(s => !!s.scope);
+  const [all, setAll] = useState(false);
   if (!doc) return null;
+  // Many optional inputs without a wire would push the parameters out of view.
+  const free = inputs.filter(p => p.optional && !node.inputs[p.name]), hidden = all || free.length <= kMostFree ? [] : free;
   const set = (name: string, wires: string[]) => void edit([{ op: 'connect', node: node.name, name, wires }]);
   // Nodes downstream would make a cycle.
   const after = new Set([node.name]);
@@ -19,7 +26,7 @@ export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
   return (
     <>
       <h2>Inputs</h2>
-      <fieldset className="fields" disabled={inside}>{inputs.map(p => {
+      <fieldset className="fields" disabled={inside}>{inputs.filter(p => !hidden.includes(p)).map(p => {
         const wires = node.inputs[p.name] ?? [], id = `input-${p.name}`, choices = offered(p);
         const go = (w: string) => <button className="reset" title={`Select ${splitWire(w, doc, types).node}`} aria-label={`Select ${splitWire(w, doc, types).node}`} onClick={() => select(splitWire(w, doc, types).node)}>→</button>;
         if (p.many) return (
@@ -42,6 +49,7 @@ export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
           </div>
         );
       })}</fieldset>
+      {hidden.length > 0 && <button className="link" title={hidden.map(p => p.name).join(', ')} onClick={() => setAll(true)}>{hidden.length} more optional inputs</button>}
     </>
   );
 }

@@ -134,7 +134,7 @@ function NodeInspector({ node }: { node: DocNode }) {
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
       <FoundColors node={node} />
-      {!!declaration?.inputs.length && <Inputs node={node} inputs={declaration.inputs} />}
+      {!!declaration?.inputs.length && <Inputs key={node.name} node={node} inputs={declaration.inputs} />}
       {!!declaration?.parameters.length && <h2>Parameters <PriceLine /></h2>}
       {inside && <p className="doc">This node belongs to the file of a subgraph. Open that file to change it.</p>}
       <fieldset className="fields" disabled={inside}>

@@ -45,7 +45,7 @@ function App() {
       const picture = e.dataTransfer?.files[0];
       if (!picture) return;
       e.preventDefault();
-      useStore.setState({ starting: true, picture });
+      useStore.setState({ starting: true, savingAs: false, picture });
     };
     window.addEventListener('keydown', key);
     window.addEventListener('dragover', over);

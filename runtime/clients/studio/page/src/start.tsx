@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { type Content, openGraph, openMaterial, post, recommended, upload, useStore } from './store';
+import { type Advice, type Content, openGraph, openMaterial, post, recommended, upload, useStore } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 
@@ -12,7 +12,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
   const [pixel, setPixel] = useState('0.1');
   const [size, setSize] = useState<{ w: number; h: number } | null>(null);
   const [busy, setBusy] = useState(false);
-  const [advice, setAdvice] = useState<{ content?: Content; why: string } | null>(null);
+  const [advice, setAdvice] = useState<Advice | null>(null);
   const [choice, setChoice] = useState<Content | null>(null);
   useEffect(() => {
     let current = true;
@@ -32,6 +32,9 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
     await upload(picture, place, pixel, content);
     setBusy(false);
   };
+  const another = <button type="button" onClick={() => useStore.setState({ picture: null })}>Choose another picture</button>;
+  if (advice?.refused)
+    return <div className="new" role="alert"><div><h2>{picture.name}</h2><p className="bad">{advice.why}</p><p className="row">{another}</p></div></div>;
   return (
     <form className="new" onSubmit={e => { e.preventDefault(); void create(); }}>
       <img src={url} alt={`Photograph ${picture.name}`} onLoad={e => setSize({ w: e.currentTarget.naturalWidth, h: e.currentTarget.naturalHeight })}
@@ -48,7 +51,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
         <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
         <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
         <p className="row"><button className="primary" disabled={busy || !content || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>
-          <button type="button" onClick={() => useStore.setState({ picture: null })}>Choose another picture</button></p>
+          {another}</p>
       </div>
     </form>
   );

@@ -85,12 +85,13 @@ export async function showStart(): Promise<void> {
   if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
 }
 export type Content = 'particles' | 'phases';
-// What to take a picture for, and why; nothing is recommended for one that cannot be read.
-export async function recommended(picture: File): Promise<{ content?: Content; why: string }> {
+// What to take a picture for, and why. One that cannot be read is refused.
+export interface Advice { content?: Content; why: string; refused?: boolean }
+export async function recommended(picture: File): Promise<Advice> {
   try {
     const answer = await fetch(`/api/recommend?${new URLSearchParams({ name: picture.name })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: picture });
     const said = await answer.json();
-    return answer.ok ? said : { why: `${said.message}.` };
+    return answer.ok ? said : { why: `${said.message}.${said.hint ? ` ${said.hint[0].toUpperCase()}${said.hint.slice(1)}.` : ''}`, refused: true };
   } catch {
     return { why: 'The server does not answer.' };
   }
@@ -148,9 +149,9 @@ export async function connect() {
   });
   on<Doc>('document', doc => {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
-      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
+      doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, savingAs: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
-      ...arrangementOf(doc.arrangement), doc, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      ...arrangementOf(doc.arrangement), doc, savingAs: s.savingAs && doc.file === s.doc?.file, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
     }));
     void enter(useStore.getState().scope);
