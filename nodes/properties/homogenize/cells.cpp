@@ -1,15 +1,19 @@
 #include "nodes/properties/homogenize/cells.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "graph/diagnostic.h"
 #include "nodes/data/indices.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::homogenize {
 namespace {
 
 constexpr int kFewest = 4;  // cells along each axis of the coarsest level
 constexpr std::size_t kMostCells = 0xffff0000;
+constexpr int kLongest = 65535;  // voxels along an axis, so that a segment takes 40 bytes
 
 // Whether a cell's neighbor in another row follows the neighbor of the segment's last cell.
 bool follows(std::uint32_t first, int length, std::uint32_t next) {
@@ -27,8 +31,12 @@ bool continues(const Segment& s, const Segment& cell) {
 Vec3i merged_size(const Vec3i& size) { return (size.array() + 1) / 2; }
 
 Cells::Cells(const Vec3i& size, const std::array<bool, 3>& wraps, const std::vector<std::uint8_t>& open,
-             std::vector<std::uint32_t>& index, const Work& work)
+             std::vector<std::uint32_t>& index, std::uint64_t memory, const Work& work)
     : size_(size) {
+  if (size.maxCoeff() > kLongest)
+    throw Error("too-large",
+                fmt::format("an axis has {} voxels; at most {} are supported", size.maxCoeff(), kLongest),
+                "use a smaller volume");
   for (int a = 0; a < 3; ++a) seams_ += wraps[a] && size[a] > 1 && size[a] % 2 == 1;
   const std::size_t plane = pixels_in(size.x(), size.y());
   std::vector<std::size_t> at(size.z() + 1, 0);
@@ -39,23 +47,25 @@ Cells::Cells(const Vec3i& size, const std::array<bool, 3>& wraps, const std::vec
   for (int z = 0; z < size.z(); ++z) at[z + 1] += at[z];
   length_ = at.back();
   if (length_ > kMostCells)
-    throw Error("too-large", "more than 4.29e9 voxels conduct", "use a smaller volume");
+    throw Error("too-large", "more than 4.29e9 voxels are open", "use a smaller volume");
   index.resize(open.size());
   work.parallel(size.z(), 1, [&](std::size_t z, std::size_t) {
     std::uint32_t next = at[z];
     for (std::size_t i = z * plane; i < (z + 1) * plane; ++i) index[i] = open[i] ? next++ : 0;
   });
-  std::vector<std::vector<Segment>> of_plane(size.z());
+  // Counted first, since in noise there are nearly as many segments as cells.
+  plane_begin_.assign(size.z() + 1, 0);
   work.parallel(size.z(), 1, [&](std::size_t z, std::size_t) {
-    of_plane[z] = segments_of(static_cast<int>(z), wraps, index);
+    plane_begin_[z + 1] = segments_of(static_cast<int>(z), wraps, index).size();
   });
-  plane_begin_.assign(1, 0);
-  for (const auto& segments : of_plane) plane_begin_.push_back(plane_begin_.back() + segments.size());
-  segments_.reserve(plane_begin_.back());
-  for (auto& segments : of_plane) {
-    segments_.insert(segments_.end(), segments.begin(), segments.end());
-    segments = {};
-  }
+  for (int z = 0; z < size.z(); ++z) plane_begin_[z + 1] += plane_begin_[z];
+  require_memory(sizeof(Segment) * static_cast<double>(plane_begin_.back()), memory,
+                 "the network of open voxels");
+  segments_.resize(plane_begin_.back());
+  work.parallel(size.z(), 1, [&](std::size_t z, std::size_t) {
+    const auto segments = segments_of(static_cast<int>(z), wraps, index);
+    std::copy(segments.begin(), segments.end(), segments_.begin() + plane_begin_[z]);
+  });
 }
 
 std::vector<Segment> Cells::segments_of(int z, const std::array<bool, 3>& wraps,
@@ -109,10 +119,10 @@ std::size_t Cells::grain() const {
 }
 
 std::vector<Cells> levels_of(const Vec3i& size, const std::array<bool, 3>& wraps,
-                             const std::vector<std::uint8_t>& open, const Work& work) {
+                             const std::vector<std::uint8_t>& open, std::uint64_t memory, const Work& work) {
   std::vector<std::uint32_t> index;
   std::vector<Cells> out;
-  out.push_back(Cells(size, wraps, open, index, work));
+  out.push_back(Cells(size, wraps, open, index, memory, work));
   std::vector<std::uint8_t> merged;
   while (out.back().size().maxCoeff() > kFewest) {
     Cells& cells = out.back();
@@ -123,7 +133,7 @@ std::vector<Cells> levels_of(const Vec3i& size, const std::array<bool, 3>& wraps
         for (const Segment& s : cells.plane(z))
           for (int x = s.x; x < s.x + s.length; ++x) merged[voxel_at(x / 2, s.y / 2, z / 2, m)] = 1;
     });
-    Cells coarser(m, wraps, merged, index, work);
+    Cells coarser(m, wraps, merged, index, memory, work);
     work.parallel(n.z(), 1, [&](std::size_t z, std::size_t) {
       for (std::size_t k = cells.plane_begin_[z]; k < cells.plane_begin_[z + 1]; ++k) {
         Segment& s = cells.segments_[k];

@@ -21,7 +21,7 @@ struct Segment {
   std::uint32_t south, north, below, above;  // beside the first cell: y − 1, y + 1, z − 1, z + 1
   std::uint32_t parent;                      // of the first cell on the coarser level
   std::uint16_t x, y, length;                // where the first cell is, and how many there are
-  std::uint16_t seams;                       // axes along which the cells are the last of an odd number
+  std::uint16_t seams;  // number of axes along which the cells are the last of an odd number
 
   // The neighbor of cell i of the segment along an axis; below Cells::first() if it is absent.
   std::uint32_t next(int axis, int i) const {
@@ -53,16 +53,16 @@ class Cells {
   std::size_t voxel(const Segment& s, int z) const {
     return voxel_at(static_cast<int>(s.x), static_cast<int>(s.y), z, size_);
   }
-  int seams() const { return seams_; }  // axes that wrap around an odd number of cells above 1
+  int seams() const { return seams_; }  // number of axes that wrap around an odd number of cells above 1
   std::size_t grain() const;            // planes of one range of a parallel loop, of at least 2¹⁵ cells
   double bytes() const { return sizeof(Segment) * static_cast<double>(segments_.size()); }
 
  private:
   friend std::vector<Cells> levels_of(const Vec3i&, const std::array<bool, 3>&,
-                                      const std::vector<std::uint8_t>&, const Work&);
+                                      const std::vector<std::uint8_t>&, std::uint64_t, const Work&);
   // Numbers the voxels with open[i] != 0 in `index`, 0 for the others.
   Cells(const Vec3i& size, const std::array<bool, 3>& wraps, const std::vector<std::uint8_t>& open,
-        std::vector<std::uint32_t>& index, const Work&);
+        std::vector<std::uint32_t>& index, std::uint64_t memory, const Work&);
   std::vector<Segment> segments_of(int z, const std::array<bool, 3>& wraps,
                                    const std::vector<std::uint32_t>& index) const;
 
@@ -75,11 +75,12 @@ class Cells {
 
 // The voxels with open[i] != 0, x fastest, and coarser levels on which 2 × 2 × 2 cells are merged, down to at
 // most 4 along each axis. `wraps`: whether the last voxel's neighbor along an axis is the first. Axes have at
-// most 65,535 voxels.
+// most 65,535 voxels. Throws Error "too-large".
 std::vector<Cells> levels_of(const Vec3i& size, const std::array<bool, 3>& wraps,
-                             const std::vector<std::uint8_t>& open, const Work&);
+                             const std::vector<std::uint8_t>& open, std::uint64_t memory, const Work&);
 
-constexpr double kLevelBytes = 9;  // for each voxel while levels_of() runs, beside the segments
+constexpr double kLevelBytes =
+    9;  // of each voxel until levels_of() returns: phases and masks of its callers, too
 
 // Values of cells at their voxels, and 0 elsewhere. T: float or double.
 template <class T>

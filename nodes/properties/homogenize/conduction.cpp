@@ -179,7 +179,7 @@ Model model_of(const PhaseMap& map, const std::vector<double>& values, const Vox
     if (axes[a]) out.connected[a] = connected.along[a];
   Model m{box, {}, {}, (box.spacing.minCoeff() * box.spacing.cwiseInverse()).cwiseAbs2()};
   m.levels = std::make_shared<const std::vector<Cells>>(
-      levels_of(box.size, {box.periodic, box.periodic, box.periodic}, connected.voxels, work));
+      levels_of(box.size, {box.periodic, box.periodic, box.periodic}, connected.voxels, memory, work));
   require_memory(conduction_bytes(box, *m.levels), memory, "the conductivity of the volume");
   const double largest = largest_of(map, values);
   m.k.assign(m.cells().length(), 0);

@@ -65,7 +65,7 @@ class Stokes {
       : axis_(pores.axis), scale_(pores.box.spacing.minCoeff() * pores.box.spacing.cwiseInverse()) {
     const bool wraps = pores.box.periodic;
     levels_ = std::make_shared<const std::vector<Cells>>(
-        levels_of(pores.box.size, {wraps, wraps, wraps}, open_voxels(pores), work));
+        levels_of(pores.box.size, {wraps, wraps, wraps}, open_voxels(pores), memory, work));
     require_memory(bytes(pores.box), memory, "the flow through the volume");
     for (int a = 0; a < 3; ++a) find_active(a, work);
     for (int a = 0; a < 3; ++a)
@@ -346,7 +346,11 @@ void solve_axis(const Stokes& system, const VoxelBox& box, int axis, const Accur
 Solved permeate(const PhaseMap& map, const std::vector<char>& open, Boundary boundary,
                 const std::array<bool, 3>& directions, const Accuracy& accuracy, std::uint64_t memory,
                 const Work& work) {
-  require_memory(kLevelBytes * map.box.count(), memory, "the flow through the volume");
+  for (int a = 0; a < 3; ++a) {
+    if (!directions[a]) continue;
+    const Vec3i layer = boundary == Boundary::Fixed ? layer_before(a) : Vec3i::Zero();
+    require_memory(kLevelBytes * voxels_in(map.box.size + layer), memory, "the flow through the volume");
+  }
   std::vector<std::uint8_t> pores(map.phase.size());
   each(pores.size(), work, [&](std::size_t i) { pores[i] = open[map.phase[i]]; });
   VoxelBox box = map.box;

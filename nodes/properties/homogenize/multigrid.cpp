@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "nodes/properties/homogenize/vectors.h"
+#include "runtime/random.h"
 
 namespace terrazzo::homogenize {
 namespace {
@@ -12,10 +13,11 @@ namespace {
 constexpr int kCoarsestSweeps = 16;
 constexpr int kSweeps = 2;              // before and after each correction
 constexpr double kLeastEnergy = 1e-12;  // of one step to the next, so that rounding leaves some
-// Of the solution from which the spectrum is read, and how far it may reach beyond.
-constexpr double kSpectrum = 1e-3, kBeyond = 1.05;
-constexpr int kManySteps = 1000;
-constexpr double kMostCycles = 8;  // of a polynomial
+// The spectrum of a polynomial: tolerance of the solution from which it is read, share of noise in that, by
+// how much its upper end is enlarged, and its least lower end, relative to the upper one.
+constexpr double kSpectrum = 1e-3, kNoise = 0.1, kBeyond = 1.1, kNarrowest = 1e-6;
+constexpr int kManySteps = 100'000;
+constexpr double kMostCycles = 8;
 // Merged cells conduct twice as well as they should, since the potential in each is constant. The correction
 // is enlarged accordingly, by a little less than two (Braess 1995).
 constexpr float kEnlarged = 1.9F;
@@ -241,18 +243,24 @@ Polynomial::Polynomial(std::unique_ptr<Multigrid> system, double rest, const Wor
   product_.assign(n, 0);
   step_.assign(n, 0);
   cycle_.assign(n, 0);
-  // A mean slope along all axes, whose solution has parts of all lengths.
+  // A mean slope along all axes, whose solution has long parts, and noise, which has all others.
   each_segment(system_->cells(), work, [&](const Segment& s, int) {
-    for (int i = 0; i < s.length; ++i)
+    for (int i = 0; i < s.length; ++i) {
+      step_[s.at + i] = static_cast<float>(Random(1, 1, s.at + i).uniform() - 0.5);
       for (int a = 0; a < 3; ++a)
         slope[s.at + i] +=
             static_cast<double>(system_->face(a)[s.at + i]) - system_->face(a)[s.previous(a, i)];
+    }
   });
+  system_->apply(step_, product_, work);
+  const double noise = std::sqrt(dot(product_, product_, work)), whole = std::sqrt(dot(slope, slope, work));
+  const double share = noise > 0 && whole > 0 ? kNoise * whole / noise : 1;
+  each(n, work, [&](std::size_t i) { slope[i] += share * product_[i]; });
   std::vector<Step> steps;
   solve(*system_, slope, 0, x, {kSpectrum, kManySteps}, work.quiet(), &steps);
   const Eigen::Vector2d ends = steps.empty() ? Eigen::Vector2d(1, 1) : ends_of_spectrum(steps);
-  low_ = ends[0];
   high_ = kBeyond * ends[1];
+  low_ = std::max(ends[0], kNarrowest * high_);
   const double middle = (high_ + low_) / (high_ - low_);
   const double needed = std::ceil(std::acosh(1 / rest) / std::acosh(middle));
   cycles_ = static_cast<int>(std::clamp(needed, 1.0, kMostCycles));

@@ -3,7 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/random.h"
+#include "tests/nodes/properties/homogenize/models.h"
+#include "tests/support/code_of.h"
 
 namespace terrazzo {
 namespace {
@@ -42,32 +43,54 @@ void each_cell(const Cells& cells, Visit&& visit) {
       for (int i = 0; i < s.length; ++i) visit(s, i, Vec3i(s.x + i, s.y, z));
 }
 
-TEST(Cells, AreTheOpenVoxelsInOrderWithTheirNeighbors) {
+TEST(Cells, OfEveryLevelAreInOrderWithTheirNeighborsOfOtherColors) {
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const Vec3i n = seed % 3 == 0 ? Vec3i(9, 1, 6) : seed % 3 == 1 ? Vec3i(7, 8, 5) : Vec3i(2, 11, 4);
+    const Vec3i size = seed % 3 == 0 ? Vec3i(9, 1, 6) : seed % 3 == 1 ? Vec3i(7, 18, 5) : Vec3i(2, 11, 14);
     const std::array<bool, 3> wraps{seed % 2 == 0, seed % 4 < 2, seed % 5 < 3};
-    const auto open = random_voxels(n, 0.2 + 0.07 * static_cast<double>(seed), seed);
-    const std::vector<Cells> levels = levels_of(n, wraps, open, {});
-    const Cells& cells = levels[0];
-    const auto numbers = numbers_of(cells);
-    std::size_t expected = cells.first();
-    for (std::size_t i = 0; i < open.size(); ++i) EXPECT_EQ(numbers[i], open[i] ? expected++ : 0) << seed;
-    EXPECT_EQ(cells.length(), expected);
-    each_cell(cells, [&](const Segment& s, int i, const Vec3i& at) {
-      for (int a = 0; a < 3; ++a)
-        for (const int by : {-1, 1}) {
-          const std::size_t found = by == 1 ? s.next(a, i) : s.previous(a, i);
-          const std::size_t truth = cell_at(numbers, at + by * Vec3i::Unit(a), n, wraps);
-          EXPECT_EQ(found < cells.first() ? 0 : found, truth)
-              << seed << " axis " << a << " at " << at.transpose();
-        }
-    });
+    const auto open = random_voxels(size, 0.2 + 0.07 * static_cast<double>(seed), seed);
+    const std::vector<Cells> levels = levels_of(size, wraps, open, test::kAmple, {});
+    const auto first = numbers_of(levels[0]);
+    for (std::size_t i = 0; i < open.size(); ++i) EXPECT_EQ(first[i] != 0, open[i] != 0) << seed;
+    for (const Cells& cells : levels) {
+      const Vec3i& n = cells.size();
+      const auto numbers = numbers_of(cells);
+      std::size_t expected = cells.first();
+      for (const std::size_t number : numbers)
+        if (number != 0) EXPECT_EQ(number, expected++);
+      EXPECT_EQ(cells.length(), expected);
+      std::vector<int> color(cells.length(), -1);
+      each_cell(cells, [&](const Segment& s, int i, const Vec3i& at) {
+        color[s.at + i] = 2 * s.seams + at.sum() % 2;
+        EXPECT_LE(s.seams, cells.seams());
+      });
+      each_cell(cells, [&](const Segment& s, int i, const Vec3i& at) {
+        for (int a = 0; a < 3; ++a)
+          for (const int by : {-1, 1}) {
+            const std::size_t found = by == 1 ? s.next(a, i) : s.previous(a, i);
+            const std::size_t truth = cell_at(numbers, at + by * Vec3i::Unit(a), n, wraps);
+            EXPECT_EQ(found < cells.first() ? 0 : found, truth) << seed << " axis " << a;
+            if (truth != 0 && n[a] > 1) EXPECT_NE(color[truth], color[s.at + i]) << seed << " axis " << a;
+          }
+      });
+    }
   }
+}
+
+TEST(Cells, AreRefusedIfTheyAreTooManyOrTooLong) {
+  const Vec3i n(16, 16, 16), line(70'000, 1, 1);
+  const std::array<bool, 3> wraps{true, true, true};
+  const auto noise = random_voxels(n, 0.5, 3);
+  EXPECT_EQ(test::code_of([&] { levels_of(n, wraps, noise, 40'000, {}); }), "too-large");
+  EXPECT_EQ(test::code_of([&] {
+              levels_of(line, wraps, std::vector<std::uint8_t>(voxels_in(line), 1), test::kAmple, {});
+            }),
+            "too-large");
 }
 
 TEST(Cells, MergeWhereAnyOfEightIsOpen) {
   const Vec3i n(13, 10, 7);
-  const std::vector<Cells> levels = levels_of(n, {true, false, true}, random_voxels(n, 0.15, 5), {});
+  const std::vector<Cells> levels =
+      levels_of(n, {true, false, true}, random_voxels(n, 0.15, 5), test::kAmple, {});
   ASSERT_GT(levels.size(), 1U);
   EXPECT_LE(levels.back().size().maxCoeff(), 4);
   for (std::size_t k = 0; k + 1 < levels.size(); ++k) {
@@ -84,7 +107,8 @@ TEST(Cells, MergeWhereAnyOfEightIsOpen) {
 
 TEST(Cells, OfNoOpenVoxelAreNone) {
   const Vec3i n(6, 5, 4);
-  for (const Cells& cells : levels_of(n, {true, true, true}, std::vector<std::uint8_t>(voxels_in(n), 0), {}))
+  for (const Cells& cells :
+       levels_of(n, {true, true, true}, std::vector<std::uint8_t>(voxels_in(n), 0), test::kAmple, {}))
     EXPECT_EQ(cells.length(), cells.first());
 }
 

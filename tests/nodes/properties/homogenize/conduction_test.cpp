@@ -171,13 +171,15 @@ TEST(Conduction, FollowsARodThroughThePeriod) {
 
 TEST(Conduction, HasEqualBitsOnAnyNumberOfThreads) {
   const auto map = test::random_map({65, 67, 35}, 2, 4);
-  const auto all = test::with_threads([&] {
-    return conduct(map, {1, 80}, Boundary::Periodic, kAllAxes, kUsual, kAmple, {});
-  });
-  for (const Solved& s : all) {
-    EXPECT_EQ(s.effective, all[0].effective);
-    EXPECT_EQ(s.flow, all[0].flow);
-    EXPECT_EQ(s.iterations, all[0].iterations);
+  for (const Boundary boundary : {Boundary::Periodic, Boundary::Fixed}) {
+    const auto all = test::with_threads([&] {
+      return conduct(map, {1, 80}, boundary, kAllAxes, kUsual, kAmple, {});
+    });
+    for (const Solved& s : all) {
+      EXPECT_EQ(s.effective, all[0].effective);
+      EXPECT_EQ(s.flow, all[0].flow);
+      EXPECT_EQ(s.iterations, all[0].iterations);
+    }
   }
 }
 
