@@ -147,8 +147,6 @@ TEST(UnfoldEm, ErrsLessThanLeastSquaresOnFigure7AndLessWithMoreProfiles) {
   }
 }
 
-// Pooled over 5 repetitions of 10 classes. The classes are correlated, so the bounds are wide. The long-run
-// coverage is between 85 and 95 %.
 // On average, n draws divide the unit interval into n + 1 equal parts, so the interval of 5 to 95 % holds the
 // truth nine times in ten with few repetitions of the bootstrap as with many.
 TEST(Bootstrap, QuantilesHoldAFurtherDraw) {
@@ -161,6 +159,8 @@ TEST(Bootstrap, QuantilesHoldAFurtherDraw) {
   EXPECT_EQ(quantile(one, 0.95), 3);
 }
 
+// Pooled over 5 repetitions of 10 classes. The classes are correlated, so the bounds are wide. The long-run
+// coverage is between 85 and 95 %.
 TEST(UnfoldEm, IntervalsHoldTheTruthAboutNineTimesInTen) {
   for (const auto* body : {"sphere", "octahedron"}) {
     const KMatrix k = kmatrix_of(body);
