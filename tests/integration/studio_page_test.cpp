@@ -279,6 +279,8 @@ TEST_F(StudioPage, ShowsLegibleGraphs) {
   EXPECT_EQ(r["nodes_kept"], true);
   EXPECT_EQ(r["front"], nlohmann::json::array({"sizes"}));
   EXPECT_NE(r["refused"].get<std::string>().find("notes.jpg"), std::string::npos) << r["refused"];
+  EXPECT_EQ(r["focused"], nlohmann::json::array(
+                              {"Fold outputs", "nodes", "Choose another picture", "Choose a photograph"}));
   EXPECT_EQ(r["can_create"], 0);
   EXPECT_EQ(r["save_as"], 0);
 }

@@ -28,15 +28,15 @@ await report(server, async () => {
     await fetch('/api/edit', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) });
   }, edits);
   const view = page => page.evaluate(() => document.querySelector('.react-flow__viewport').style.transform);
-  // Until the view has stopped.
-  const still = async page => {
-    for (let before = '', k = 0; k < 100; ++k, await page.waitForTimeout(120)) {
-      const now = await view(page);
-      if (now === before && now) return now;
-      before = now;
-    }
-    throw new Error('the view never stops');
+  // Until the view shows what fits of the graph as it is now.
+  const fitted = async page => {
+    await page.waitForFunction(() => {
+      const flow = document.querySelector('.flow');
+      return flow.dataset.fitted === `${flow.clientWidth} ${flow.clientHeight} ${document.querySelectorAll('.react-flow__node').length}`;
+    });
+    return view(page);
   };
+  const focused = page => page.evaluate(() => document.activeElement.textContent);
   const fits = page => page.waitForFunction(() => {
     const flow = document.querySelector('.flow').getBoundingClientRect(), cards = [...document.querySelectorAll('.card')].map(c => c.getBoundingClientRect());
     return cards.length && cards.every(c => c.left >= flow.left && c.right <= flow.right && c.top >= flow.top && c.bottom <= flow.bottom);
@@ -46,27 +46,30 @@ await report(server, async () => {
   // The standard graph, with names that can be read, and nothing over the graph.
   const standard = await start(program, [join(source, 'graphs/materials/terrazzo.yaml'), '--cache', join(folder, 'cache2'), '--no-live'], { cwd: folder });
   result.sizes = {};
-  for (const [name, { width, height, scale }] of Object.entries(sizes)) {
-    const page = await browser.newPage({ viewport: { width, height }, deviceScaleFactor: scale ?? 1, colorScheme: name === '1024×700' ? 'light' : 'dark' });
-    const { check } = watch(page);
-    await page.goto(standard.address);
-    await page.waitForSelector('.card.folded');
-    await still(page);
-    result.sizes[name] = await page.evaluate(() => {
-      const names = [...document.querySelectorAll('.card header b')], flow = document.querySelector('.flow').getBoundingClientRect();
-      return {
-        name: Math.min(...names.map(b => parseFloat(getComputedStyle(b).fontSize) * b.getBoundingClientRect().width / b.offsetWidth)),
-        cut: names.filter(b => Math.round(b.offsetHeight / parseFloat(getComputedStyle(b).lineHeight)) > b.textContent.split('_').length || b.scrollHeight > b.offsetHeight + 4 || b.scrollWidth > b.offsetWidth + 2).map(b => b.textContent),
-        over: [...document.querySelectorAll('.tools, .react-flow__minimap, .react-flow__controls')].filter(e => e.getBoundingClientRect().bottom > flow.top + 1).length,
-        seen: [...document.querySelectorAll('.card')].filter(c => { const r = c.getBoundingClientRect(); return r.left >= flow.left && r.right <= flow.right && r.top >= flow.top && r.bottom <= flow.bottom; }).length,
-        outputs: document.querySelector('.card.folded b').textContent,
-      };
-    });
-    if (name === '200 %') await check(name);
-    await shot(page, `graph_${width}`);
-    await page.close();
+  try {
+    for (const [name, { width, height, scale }] of Object.entries(sizes)) {
+      const page = await browser.newPage({ viewport: { width, height }, deviceScaleFactor: scale ?? 1, colorScheme: name === '1024×700' ? 'light' : 'dark' });
+      const { check } = watch(page);
+      await page.goto(standard.address);
+      await page.waitForSelector('.card.folded');
+      await fitted(page);
+      result.sizes[name] = await page.evaluate(() => {
+        const names = [...document.querySelectorAll('.card header b')], flow = document.querySelector('.flow').getBoundingClientRect();
+        return {
+          name: Math.min(...names.map(b => parseFloat(getComputedStyle(b).fontSize) * b.getBoundingClientRect().width / b.offsetWidth)),
+          cut: names.filter(b => Math.round(b.offsetHeight / parseFloat(getComputedStyle(b).lineHeight)) > b.textContent.split('_').length || b.scrollHeight > b.offsetHeight + 4 || b.scrollWidth > b.offsetWidth + 2).map(b => b.textContent),
+          over: [...document.querySelectorAll('.tools, .react-flow__minimap, .react-flow__controls')].filter(e => e.getBoundingClientRect().bottom > flow.top + 1).length,
+          seen: [...document.querySelectorAll('.card')].filter(c => { const r = c.getBoundingClientRect(); return r.left >= flow.left && r.right <= flow.right && r.top >= flow.top && r.bottom <= flow.bottom; }).length,
+          outputs: document.querySelector('.card.folded b').textContent,
+        };
+      });
+      if (name === '200 %') await check(name);
+      await shot(page, `graph_${width}`);
+      await page.close();
+    }
+  } finally {
+    standard.server.kill();
   }
-  standard.server.kill();
 
   const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
   page.setDefaultTimeout(60000);
@@ -74,20 +77,23 @@ await report(server, async () => {
   await page.goto(address);
   await page.waitForSelector('.card.folded');
   await fits(page);
-  await still(page);
+  await fitted(page);
 
   // A window of another size shows all, unless the user chose a part.
   await page.setViewportSize({ width: 1100, height: 640 });
   await fits(page);
-  result.smaller = await still(page);
+  result.smaller = await fitted(page);
   await page.mouse.move(300, 500);
   await page.mouse.wheel(0, -300);
   await page.waitForFunction(before => document.querySelector('.react-flow__viewport').style.transform !== before, result.smaller);
-  const chosen = await still(page);
+  const chosen = await view(page), width = await page.evaluate(() => document.querySelector('.flow').clientWidth);
   await page.setViewportSize({ width: 1440, height: 900 });
-  result.keeps_part = (await still(page)) === chosen;
+  await page.waitForFunction(before => document.querySelector('.flow').clientWidth > before, width);
+  await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))); // the page knows its new size
+  result.keeps_part = (await view(page)) === chosen;
   await page.click('button:text-is("Fit")');
   await fits(page);
+  await fitted(page);
 
   // The outputs one by one, and as one card again. Nothing else moves.
   const before = await places(page);
@@ -96,8 +102,9 @@ await report(server, async () => {
   await page.click('.card.folded >> text=nodes');
   await card('csv').waitFor();
   await fits(page);
-  await still(page);
+  await fitted(page);
   result.unfolded = await page.locator('.card').count();
+  result.focused = [await focused(page)];
   const open = await places(page);
   result.moved_by_unfolding = Object.keys(before).filter(n => open[n] && open[n] !== before[n]);
   await shot(page, 'unfolded');
@@ -113,7 +120,8 @@ await report(server, async () => {
   await page.click('button:text-is("Fold outputs")');
   await page.waitForSelector('.card.folded');
   await fits(page);
-  await still(page);
+  await page.waitForFunction(() => document.activeElement !== document.body);
+  result.focused.push(await focused(page));
   const again = await places(page);
   result.moved_by_folding = Object.keys(before).filter(n => again[n] !== before[n]);
 
@@ -133,7 +141,7 @@ await report(server, async () => {
   // A wire that is drawn to an optional input: no card grows.
   await page.click('button:text-is("Fit")');
   await fits(page);
-  await still(page);
+  await fitted(page);
   const heights = () => page.evaluate(() => [...document.querySelectorAll('.card')].map(c => c.offsetHeight).join(' '));
   const tall = await heights();
   const from = await card('shape').locator('.react-flow__handle.source').boundingBox(), to = await card('sizes').boundingBox();
@@ -196,8 +204,10 @@ await report(server, async () => {
   result.refused = await page.textContent('.new .bad');
   result.can_create = await page.locator('text=Create the material').count();
   result.save_as = await page.locator('form.save').count();
+  result.focused.push(await focused(page));
   await shot(page, 'refused');
   await check('refused');
   await page.click('text=Choose another picture');
   await page.waitForSelector('.drop');
+  result.focused.push(await focused(page));
 });

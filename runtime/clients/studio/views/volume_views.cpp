@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "nodes/common/geometry/grid/slice_axes.h"
@@ -64,10 +65,27 @@ std::shared_ptr<const openvdb::FloatGrid> coverage(const Volume& volume) {
   return g && volume.find<openvdb::Vec3SGrid>("Cd") ? g : nullptr;
 }
 
-// The range of a grid's numbers in `voxels` voxels, the range without the outermost hundredth of them, and
-// the number below which four fifths of them are.
+// The number of voxels in a box that are inactive and have each value other than the background: inside of
+// a level set, for example.
 template <class Grid>
-void add_ranges(json& out, const Grid& grid, double voxels) {
+std::map<double, double> inactive_values(const Grid& grid, const VoxelBox& box) {
+  const Eigen::Vector3i last = box.first + box.size - Eigen::Vector3i::Ones();
+  const openvdb::CoordBBox all({box.first.x(), box.first.y(), box.first.z()}, {last.x(), last.y(), last.z()});
+  std::map<double, double> out;
+  for (auto it = grid.cbeginValueOff(); it; ++it) {
+    if (*it == grid.background() || !std::isfinite(*it)) continue;
+    openvdb::CoordBBox part;
+    it.getBoundingBox(part);
+    part.intersect(all);
+    if (!part.empty()) out[static_cast<double>(*it)] += static_cast<double>(part.volume());
+  }
+  return out;
+}
+
+// The range of a grid's numbers in a box, the range without the outermost hundredth of them, and the number
+// below which four fifths of them are.
+template <class Grid>
+void add_ranges(json& out, const Grid& grid, const VoxelBox& box) {
   constexpr int kBins = 4096;
   const double background = static_cast<double>(grid.background());
   double lo = background, hi = background;
@@ -76,6 +94,11 @@ void add_ranges(json& out, const Grid& grid, double voxels) {
       lo = std::min(lo, v);
       hi = std::max(hi, v);
     }
+  const auto inactive = inactive_values(grid, box);
+  if (!inactive.empty()) {
+    lo = std::min(lo, inactive.begin()->first);
+    hi = std::max(hi, inactive.rbegin()->first);
+  }
   std::vector<double> counts(kBins);
   double total = 0;
   const auto add = [&](double v, double n) {
@@ -85,7 +108,12 @@ void add_ranges(json& out, const Grid& grid, double voxels) {
     total += n;
   };
   for (auto it = grid.cbeginValueOn(); it; ++it) add(*it, static_cast<double>(it.getVoxelCount()));
-  add(background, std::max(voxels - static_cast<double>(grid.activeVoxelCount()), 0.0));
+  double rest = box.size.cast<double>().prod() - static_cast<double>(grid.activeVoxelCount());
+  for (const auto& [v, n] : inactive) {
+    add(v, n);
+    rest -= n;
+  }
+  add(background, std::max(rest, 0.0));
   const auto quantile = [&](double share) {
     std::size_t bin = 0;
     for (double sum = counts[0]; sum < share * total && bin + 1 < kBins;) sum += counts[++bin];
@@ -104,7 +132,7 @@ json volume_head(const Volume& volume) {
   for (const auto& g : volume.grids) {
     json j = {{"name", g->getName()}, {"type", g->valueType()}};
     const auto range = [&](const auto* grid) {
-      if (grid) add_ranges(j, *grid, box.size.cast<double>().prod());
+      if (grid) add_ranges(j, *grid, box);
     };
     range(dynamic_cast<const openvdb::FloatGrid*>(g.get()));
     range(dynamic_cast<const openvdb::DoubleGrid*>(g.get()));
@@ -158,7 +186,7 @@ std::string voxels_view(const Volume& volume, const Slice& s, int most) {
             append(out, (c & 0xffffffu) | alpha(at, c) << 24);
           }
     };
-    if (material)
+    if (material && !quantity)
       voxels([in = material->getConstAccessor()](const openvdb::Coord& at, std::uint32_t) {
         const float v = in.getValue(at);
         return static_cast<std::uint32_t>(

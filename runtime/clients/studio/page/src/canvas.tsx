@@ -5,7 +5,7 @@ import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
 import { paste, textOf } from './clipboard';
 import { typeColor } from './format';
-import { filesCard, FilesCard, fold, writersOf, type FilesNode } from './folded';
+import { filesCard, FilesCard, fold, takeFocus, unfold, writersOf, type FilesNode } from './folded';
 import { layout, nodeSize, nodeWidth } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
@@ -48,10 +48,19 @@ function insertion(node: DocNode, edge: Edge, doc: Doc, types: Map<string, NodeT
   const type = typeOf(edge.source, edge.sourceHandle);
   const input = own?.inputs.find(p => !node.inputs[p.name] && type && (!p.types.length || p.types.includes(type)));
   const output = own?.outputs.find(p => accepts && (!accepts.length || accepts.includes(p.types[0])));
-  if (!target || !input || !output) return null;
+  if (!target || target.name === filesCard || !input || !output) return null;
   const wires = [...(target.inputs[edge.targetHandle!] ?? [])];
   wires[Number(edge.id.split('.').pop())] = `${node.name}.${output.name}`;
   return [{ op: 'connect', node: node.name, name: input.name, wires: [`${edge.source}.${edge.sourceHandle}`] }, { op: 'connect', node: target.name, name: edge.targetHandle!, wires }];
+}
+
+// The nodes that each node is wired to, first those before it.
+function neighborsOf(doc: Doc, types: Map<string, NodeType>): Map<string, string[]> {
+  const wires = doc.nodes.flatMap(n => Object.values(n.inputs).flat().map(w => [splitWire(w, doc, types).node, n.name]));
+  const out = new Map(doc.nodes.map(n => [n.name, [] as string[]]));
+  for (const [from, to] of wires) out.get(to)!.push(from);
+  for (const [from, to] of wires) out.get(from)?.push(to);
+  return out;
 }
 
 // The wire that passes nearest to a point on the screen, within 30 pixels.
@@ -97,6 +106,8 @@ export function Canvas() {
   const [nodes, setNodes] = useState<AnyNode[]>([]);
   const [search, setSearch] = useState<SearchAt | null>(null);
 
+  const loosen = () => { fitted.current = false, delete host.current?.dataset.fitted; };
+
   // Shows all of the graph if its names stay legible, else the part with the selected node, or the part from the left where most is.
   const fit = useCallback((duration = 0) => {
     const shown = flow.getNodes(), box = host.current, margin = 18;
@@ -109,12 +120,18 @@ export function Canvas() {
     const x = start(bounds.x, bounds.width, width / zoom, at < 0 ? bounds.x : rects[at].x + rects[at].width / 2);
     const near = at < 0 ? rects.filter(r => r.x < x + width / zoom && r.x + r.width > x) : [rects[at]];
     const y = start(bounds.y, bounds.height, height / zoom, near.reduce((sum, r) => sum + r.y + r.height / 2, 0) / Math.max(near.length, 1));
+    loosen();
     fitted.current = true;
-    void flow.setViewport({ x: margin - x * zoom, y: margin - y * zoom, zoom }, { duration });
+    // Once the view is there, data-fitted says for what: the size of the canvas, and the number of its nodes.
+    void flow.setViewport({ x: margin - x * zoom, y: margin - y * zoom, zoom }, { duration }).then(() => {
+      if (fitted.current) box!.dataset.fitted = `${box!.clientWidth} ${box!.clientHeight} ${shown.length}`;
+    });
   }, [flow]);
-  useEffect(() => {
+  const attach = useCallback((box: HTMLDivElement | null) => {
+    host.current = box;
+    if (!box) return;
     const observer = new ResizeObserver(() => { if (fitted.current) fit(); });
-    if (host.current) observer.observe(host.current);
+    observer.observe(box);
     return () => observer.disconnect();
   }, [fit]);
   const refit = useCallback(() => setTimeout(() => { if (fitted.current) fit(150); }, 60), [fit]); // once new cards are there
@@ -131,13 +148,10 @@ export function Canvas() {
       const placed = (n: DocNode) => moved.current[n.name] ?? (keep ? old.get(n.name) : undefined);
       const known = new Map(doc.nodes.flatMap(n => { const p = placed(n); return p ? [[n.name, p] as const] : []; }));
       const boxes = doc.nodes.filter(n => known.has(n.name)).map(n => { const { width: w, height: h } = nodeSize(n, types); return { ...known.get(n.name)!, w, h }; });
-      const wired = (n: DocNode) => [
-        ...Object.values(n.inputs).flat().map(w => splitWire(w, doc, types).node),
-        ...doc.nodes.filter(m => Object.values(m.inputs).flat().some(w => splitWire(w, doc, types).node === n.name)).map(m => m.name),
-      ];
+      const neighbors = old.size ? neighborsOf(doc, types) : null;
       for (const n of doc.nodes) {
         if (!known.size || known.has(n.name)) continue;
-        const place = { ...at[n.name] }, { width: w, height: h } = nodeSize(n, types), beside = wired(n).find(m => old.has(m) && known.has(m));
+        const place = { ...at[n.name] }, { width: w, height: h } = nodeSize(n, types), beside = neighbors?.get(n.name)!.find(m => old.has(m) && known.has(m));
         if (card && n.name !== filesCard && writers.some(x => x.name === n.name)) place.x = card.x, place.y = card.y; // it was in the card
         else if (beside) place.x += known.get(beside)!.x - at[beside].x, place.y += known.get(beside)!.y - at[beside].y;
         for (let k = 0; k < 200 && boxes.some(t => place.x < t.x + t.w && t.x < place.x + w && place.y < t.y + t.h && t.y < place.y + h); ++k) place.y += 20;
@@ -229,7 +243,7 @@ export function Canvas() {
     held.current = null;
     if (n.type !== 'note' || !n.data.note.frame) return;
     const { x, y } = n.position, w = n.width ?? 0, h = n.height ?? 0;
-    const within = nodes.filter(m => m.position.x >= x && m.position.y >= y && m.position.x + (m.measured?.width ?? 0) <= x + w && m.position.y + (m.measured?.height ?? 0) <= y + h);
+    const within = nodes.filter(m => m.id !== filesCard && m.position.x >= x && m.position.y >= y && m.position.x + (m.measured?.width ?? 0) <= x + w && m.position.y + (m.measured?.height ?? 0) <= y + h);
     for (const m of within) if (!moved.current[m.id]) homes.current[m.id] = m.position;
     held.current = { from: n.position, nodes: Object.fromEntries(within.map(m => [m.id, m.position])) };
   };
@@ -302,7 +316,7 @@ export function Canvas() {
       const first = await paste(text, writtenPlaces(Object.fromEntries(nodes.filter(n => n.type === 'node').map(n => [n.id, { x: n.position.x + 40, y: n.position.y + 40 }]))));
       if (first) setTimeout(() => select(first), 80);
     };
-    const elsewhere = (e: Event) => e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]');
+    const elsewhere = (e: Event) => useStore.getState().starting || e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]');
     // Events of the clipboard need no permission.
     const copied = (e: ClipboardEvent) => {
       if (elsewhere(e) || !doc || !chosen.length || window.getSelection()?.toString()) return;
@@ -364,17 +378,17 @@ export function Canvas() {
           localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
           useStore.setState({ thumbnails: !thumbnails });
         }}>Pictures</button>
-        {writers.length > 0 && doc === all && <button onClick={() => { select(null); useStore.setState({ unfolded: '' }); }} title="Show the nodes that write files as one card">Fold outputs</button>}
+        {writers.length > 0 && doc === all && <button ref={takeFocus} onClick={() => { select(null); unfold(''); }} title="Show the nodes that write files as one card">Fold outputs</button>}
         <span className="right"><button aria-pressed={overview} title="Show where the view is in the graph" onClick={() => setOverview(!overview)}>Overview</button>
-        <button aria-label="Zoom out" title="Zoom out" onClick={() => { fitted.current = false; void flow.zoomOut(); }}>−</button>
-        <button aria-label="Zoom in" title="Zoom in" onClick={() => { fitted.current = false; void flow.zoomIn(); }}>+</button></span>
+        <button aria-label="Zoom out" title="Zoom out" onClick={() => { loosen(); void flow.zoomOut(); }}>−</button>
+        <button aria-label="Zoom in" title="Zoom in" onClick={() => { loosen(); void flow.zoomIn(); }}>+</button></span>
       </div>
-      <div className="flow" ref={host}>
+      <div className="flow" ref={attach}>
       <ReactFlow<AnyNode>
         nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} onEdgesChange={onEdgesChange} onEdgeClick={() => select(null)} isValidConnection={valid} onConnect={connect}
         onNodeDragStart={onNodeDragStart} onNodeDrag={onNodeDrag} onNodeDragStop={onNodeDragStop} nodesConnectable={!scope}
         onNodeDoubleClick={(_, n) => { if (n.type === 'node' && n.data.node.graph) void enter(n.id); }}
-        onBeforeDelete={remove} onPaneClick={() => select(null)} onMoveStart={e => { if (e) fitted.current = false; }} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
+        onBeforeDelete={remove} onPaneClick={() => select(null)} onMoveStart={e => { if (e) loosen(); }} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
         minZoom={0.1} maxZoom={2} proOptions={noPro} selectNodesOnDrag={false} nodeDragThreshold={2} onlyRenderVisibleElements={nodes.length > 80}
         onDoubleClick={e => !scope && (e.target as HTMLElement).classList.contains('react-flow__pane') && setSearch({ x: e.clientX, y: e.clientY })}
         zoomOnDoubleClick={false}

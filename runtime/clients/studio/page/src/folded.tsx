@@ -2,7 +2,7 @@
 import { Handle, Position, type Node, type NodeProps } from '@xyflow/react';
 import { memo } from 'react';
 
-import { declarationOf, stateOf, useStore } from './store';
+import { declarationOf, isBroken, shownDoc, stateOf, useStore } from './store';
 import type { Doc, DocNode, NodeType, StateWord } from './types';
 
 export const filesCard = 'files '; // no node has this name
@@ -28,20 +28,32 @@ export function fold(doc: Doc, types: Map<string, NodeType>): Doc {
   return { ...doc, nodes: [...doc.nodes.filter(n => !names.has(n.name)), card] };
 }
 
+// Shows the outputs of a graph one by one, or with "" as one card. The button for the way back takes the focus.
+let asked = false;
+export function unfold(file: string) {
+  asked = true;
+  useStore.setState({ unfolded: file });
+}
+export function takeFocus(button: HTMLButtonElement | null) {
+  if (!button || !asked) return;
+  asked = false;
+  button.focus({ preventScroll: true });
+}
+
 // From the best to the worst.
 const ranks: StateWord[] = ['cached', 'computed', 'bypassed', 'stale', 'canceled', 'skipped', 'waiting', 'running', 'failed'];
 
 export const FilesCard = memo(function FilesCard({ data: { node } }: NodeProps<FilesNode>) {
   const names = node.doc.split('\n');
   const word = useStore(s => names.reduce((worst: StateWord, name) => {
-    const own = s.doc?.nodes.find(n => n.name === name), state = (own && stateOf(own, s.nodes)?.state) ?? 'stale';
+    const own = shownDoc(s)?.nodes.find(n => n.name === name), state = isBroken(name, s) ? 'failed' : (own && stateOf(own, s.nodes)?.state) ?? 'stale';
     return ranks.indexOf(state) > ranks.indexOf(worst) ? state : worst;
   }, 'cached'));
   return (
     <div className={`card folded ${word}`} title={names.join('\n')}>
       <header><i className="badge" role="img" aria-label={word} title={word} /><b>{names.length} outputs</b></header>
       <div className="kind"><button className="link nodrag nopan" onClick={() => useStore.setState({ drawer: 'files' })}>files</button>
-        <button className="link nodrag nopan" title="Show the nodes that write them" onClick={() => useStore.setState(s => ({ unfolded: (s.inside ?? s.doc)!.file }))}>nodes</button></div>
+        <button className="link nodrag nopan" title="Show the nodes that write them" ref={takeFocus} onClick={() => unfold(shownDoc(useStore.getState())!.file)}>nodes</button></div>
       <div className="bar" />
       <div className="ports"><div className="socket in"><Handle type="target" id="files" position={Position.Left} className="many" isConnectable={false} /></div></div>
     </div>

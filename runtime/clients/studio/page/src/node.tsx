@@ -6,7 +6,7 @@ import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
 import { hasThumbnail, Peek, Thumbnail } from './peek';
 import { percentText } from './progress';
-import { declarationOf, elementsOf, enter, stateOf, useStore, valueOf } from './store';
+import { declarationOf, elementsOf, enter, isBroken, stateOf, useStore, valueOf } from './store';
 import type { DocNode, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
@@ -36,7 +36,7 @@ function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 
 export const NodeCard = memo(function NodeCard({ data: { node }, selected }: NodeProps<GraphNode>) {
   const declaration = useStore(s => declarationOf(node, s.types));
   const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
-  const broken = useStore(s => s.doc?.messages.some(m => m.severity === 'error' && m.node.split(/[/[]/)[0] === node.name));
+  const broken = useStore(s => isBroken(node.name, s));
   const connecting = useConnection(c => c.inProgress);
   const priced = useStore(s => s.price?.nodes.some(n => `${n.path}/`.startsWith(`${node.name}/`)));
   const small = useStore(s => {

@@ -149,10 +149,10 @@ function Scaled({ value, title, view, set }: { value: OutputValue | undefined; t
 export function PlaneView({ node }: { node: DocNode }) {
   const p = usePlane(node), names = useAxes(node), cut = useCutValue(node), nodes = useStore(s => s.nodes);
   const down = useNearest(cut?.node.name ?? '', 'Volume', 'down'), volume = cut?.value.type === 'Volume' ? cut.value : down?.value;
-  const head = useHead(volume).data, shapes = useShapesOf(cut?.node ?? node, cut?.value);
+  const { value: drawn, head } = useHead(volume).data ?? {}, shapes = useShapesOf(cut?.node ?? node, cut?.value);
   const grid = head && (head.grids.find(g => g.name === 'Cd') ?? head.grids[0]).name;
   const [binder, setBinder] = useState(true);
-  const block = useLoaded(`${volume?.hash}.${grid}`, async () => (volume && head && grid && webGL ? loadVolume(volume, head, grid, 160) : null));
+  const block = useLoaded(`${drawn?.hash}.${grid}`, async () => (drawn && head && grid && webGL ? loadVolume(drawn, head, grid, 160) : null));
   const bodies = useLoaded(`${cut?.value.hash}.${shapes?.hash}.${!!volume}`, async () => (cut?.value.type === 'Particles' && webGL ? loadParticles(cut.value, shapes) : null));
   const solid = volume && binder ? block.data : bodies.data ?? block.data;
   const [view, setView] = useState<View | null>(null);

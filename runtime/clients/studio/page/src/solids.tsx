@@ -18,7 +18,8 @@ export interface VolumeHead { size: [number, number, number]; spacing: [number, 
 // range: of a quantity; shown: without outliers; most: what four fifths of its numbers are below.
 export interface GridHead { name: string; type: string; range?: [number, number]; shown?: [number, number]; most?: number }
 
-export const useHead = (value: OutputValue | undefined) => useLoaded(String(value?.hash), async () => (value ? fetchJson<VolumeHead>(value.hash, 'head') : null));
+// Of a volume, or of the one before until the new one is there: `value` is the one that the head belongs to.
+export const useHead = (value: OutputValue | undefined) => useLoaded(String(value?.hash), async () => (value ? { value, head: await fetchJson<VolumeHead>(value.hash, 'head') } : null));
 export const edgesOf = (h: VolumeHead) => new Vector3(...h.size.map((n, k) => n * h.spacing[k]) as [number, number, number]);
 
 // What a page draws at once: fewer triangles for each particle if there are many.

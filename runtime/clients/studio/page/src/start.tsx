@@ -32,7 +32,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
     await upload(picture, place, pixel, content);
     setBusy(false);
   };
-  const another = <button type="button" onClick={() => useStore.setState({ picture: null })}>Choose another picture</button>;
+  const another = <button type="button" autoFocus={advice?.refused} onClick={() => useStore.setState({ picture: null })}>Choose another picture</button>;
   if (advice?.refused)
     return <div className="new" role="alert"><div><h2>{picture.name}</h2><p className="bad">{advice.why}</p><p className="row">{another}</p></div></div>;
   return (
@@ -72,7 +72,7 @@ export function Start() {
         {picture && info ? <NewMaterial picture={picture} folder={info.folder} /> : (
           <div className="drop">
             <p>Drop a photograph of a cut surface here, or</p>
-            <button className="primary" onClick={() => file.current?.click()}>Choose a photograph</button>
+            <button className="primary" autoFocus onClick={() => file.current?.click()}>Choose a photograph</button>
             <input ref={file} type="file" className="sr" tabIndex={-1} aria-label="Photograph" accept="image/*,.exr,.hdr,.tif,.tiff" onChange={e => {
               if (e.target.files?.[0]) useStore.setState({ picture: e.target.files[0] });
             }} />

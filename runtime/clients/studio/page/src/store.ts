@@ -151,7 +151,7 @@ export async function connect() {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
       doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, savingAs: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
-      ...arrangementOf(doc.arrangement), doc, savingAs: s.savingAs && doc.file === s.doc?.file, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      ...arrangementOf(doc.arrangement), doc, savingAs: s.savingAs && doc.file === s.doc?.file, unfolded: s.unfolded === s.doc?.file ? doc.file : s.unfolded, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
     }));
     void enter(useStore.getState().scope);
@@ -296,6 +296,9 @@ const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'c
 
 // A path without the names of elements: "part[3]/pack" becomes "part/pack".
 const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
+
+// Whether a node, or one inside it, has an error in the graph.
+export const isBroken = (name: string, s: Pick<Store, 'doc'>) => !!s.doc?.messages.some(m => m.severity === 'error' && `${bare(m.node)}/`.startsWith(name + '/'));
 
 export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
   new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;

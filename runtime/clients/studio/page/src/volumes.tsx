@@ -41,7 +41,7 @@ function colored(raster: Raster, grid: GridHead): { raster: Raster; valueAt: (x:
 
 function SlicePane({ value, head, grid, axis, at, set }: { value: OutputValue; head: VolumeHead; grid: GridHead; axis: number; at: number; set: (v: number) => void }) {
   const range = grid.shown ?? [0, 1], n = head.size[axis];
-  const { data, error } = useLoaded(`${value.hash}.${grid.name}.${axis}.${at}`, async () => {
+  const { data, error } = useLoaded(`${value.hash}.${grid.name}.${range}.${axis}.${at}`, async () => {
     const raster = await fetchRaster(value.hash, `slice&grid=${encodeURIComponent(grid.name)}&axis=${axis}&lo=${range[0]}&hi=${range[1]}`, at);
     return grid.shown ? colored(raster, grid) : { raster, valueAt: () => '' };
   });
@@ -55,8 +55,8 @@ function SlicePane({ value, head, grid, axis, at, set }: { value: OutputValue; h
 }
 
 // A block of voxels, and three slices across its axes.
-export function VolumeView({ value, node }: { value: OutputValue; node: DocNode }) {
-  const { data: head, error } = useHead(value);
+export function VolumeView({ value: newest, node }: { value: OutputValue; node: DocNode }) {
+  const { data, error } = useHead(newest), { value, head } = data ?? { value: newest };
   const [grid, setGrid] = useState(''), [sliced, setSliced] = useState(false), [at, setAt] = useState<number[] | null>(null);
   const [binder, setBinder] = useState(true), [chosen, setLevel] = useState<{ grid: string; level: number } | null>(null), [cut, setCut] = useState(0), [across, setAcross] = useState(1);
   const shown = head?.grids.find(g => g.name === grid) ?? head?.grids.find(g => g.name === 'Cd') ?? head?.grids[0];
@@ -64,9 +64,9 @@ export function VolumeView({ value, node }: { value: OutputValue; node: DocNode 
   const quantity = !!shown?.shown, [lo, hi] = shown?.shown ?? [0, 1];
   // At first the highest fifth of the values, where four fifths are not all the same.
   const fifth = (shown?.most ?? 0) - lo, level = chosen && chosen.grid === shown?.name ? chosen.level : fifth > 0.02 * (hi - lo) && fifth < 0.98 * (hi - lo) ? fifth / (hi - lo) : 0.5;
-  const reference = useReference(node, value);
-  const solid = useLoaded(`${value.hash}.${shown?.name}`, async () => (head && shown && webGL ? loadVolume(value, head, shown.name, 192) : null));
-  const before = useLoaded(`${reference?.hash}.${shown?.name}`, async () => (reference && head && shown && webGL ? loadVolume(reference, head, shown.name, 192) : null)).data;
+  const reference = useReference(node, newest);
+  const solid = useLoaded(`${value.hash}.${shown?.name}.${lo}.${hi}`, async () => (head && shown && webGL ? loadVolume(value, head, shown.name, 192) : null));
+  const before = useLoaded(`${reference?.hash}.${value.hash}.${shown?.name}.${lo}.${hi}`, async () => (reference && head && shown && webGL ? loadVolume(reference, head, shown.name, 192) : null)).data;
   const coverage = shown?.name === 'Cd' && head?.grids.some(g => g.name === 'density');
   useEffect(() => {
     const l = quantity ? level : binder || !coverage ? 0 : 0.5;
@@ -75,7 +75,7 @@ export function VolumeView({ value, node }: { value: OutputValue; node: DocNode 
   const box = solid.data?.content.box;
   const plane = useMemo(() => (box && cut > 0 ? new Plane(new Vector3().setComponent(across, 1), -cut * box.getComponent(across)) : null), [box, cut, across]);
   if (!head || !shown) return <p className="none">{error || 'Loading…'}</p>;
-  const places = at ?? head.size.map(n => n >> 1);
+  const places = head.size.map((n, k) => Math.min(at?.[k] ?? n >> 1, n - 1));
   const choice = (
     <label>Grid <select value={shown.name} onChange={e => setGrid(e.target.value)}>{head.grids.map(g => <option key={g.name}>{g.name}</option>)}</select></label>
   );
