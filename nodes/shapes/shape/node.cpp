@@ -88,12 +88,12 @@ void check(const NodeParameters& p) {
 
 constexpr std::uint64_t kWear = 125;  // stream of random numbers
 
-// Wears and roughens a stone, relative to the diameter of a ball of its volume.
+// Wears and roughens a stone, each relative to the diameter of a ball of its volume then.
 void weather(Mesh& mesh, double wear, double roughness, const Context& c, std::int64_t item,
              const Work& work) {
-  const double diameter = std::cbrt(6 * mesh_volume(mesh) / std::numbers::pi);
-  if (wear > 0) round_edges(mesh, wear * diameter, work);
-  if (roughness > 0) roughen(mesh, roughness * diameter / 2, diameter, Random(c.seed(), kWear, item));
+  const auto diameter = [&] { return std::cbrt(6 * mesh_volume(mesh) / std::numbers::pi); };
+  if (wear > 0) round_edges(mesh, wear * diameter(), work);
+  if (roughness > 0) roughen(mesh, roughness * diameter() / 2, diameter(), Random(c.seed(), kWear, item));
 }
 
 void compute(Context& c) {
@@ -156,7 +156,7 @@ namespace terrazzo {
 
 NodeType shape_node() {
   using namespace shape;
-  return NodeType("Shape", 1)
+  return NodeType("Shape", 2)
       .doc_(
           "Creates an elementary solid, a superquadric, or random stones. Volume, surface area, mean caliper "
           "diameter and largest section are exact where a closed form is implemented.")

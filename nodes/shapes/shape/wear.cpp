@@ -8,13 +8,14 @@
 
 #include <Eigen/SparseCholesky>
 
+#include "graph/diagnostic.h"
 #include "nodes/common/geometry/directions.h"
 
 namespace terrazzo::shape {
 namespace {
 
 // Mass (a third of the area around each vertex) and stiffness with cotangent weights. Negative weights, of
-// flat obtuse triangles, could fold the surface and are left out.
+// flat obtuse triangles, could fold the surface and are left out; those of slivers are bounded.
 struct Diffusion {
   Eigen::VectorXd mass;
   Eigen::SparseMatrix<double> stiffness;
@@ -30,7 +31,7 @@ Diffusion diffusion_of(const Mesh& mesh) {
       const Vec3 u = mesh.vertices[b] - mesh.vertices[a], v = mesh.vertices[c] - mesh.vertices[a];
       const double twice_area = std::max(u.cross(v).norm(), 1e-300);
       out.mass[a] += twice_area / 6;
-      const double w = std::max(0.0, u.dot(v) / twice_area) / 2;
+      const double w = std::clamp(u.dot(v) / twice_area, 0.0, 1e3) / 2;
       entries.insert(entries.end(), {{b, b, w}, {c, c, w}, {b, c, -w}, {c, b, -w}});
     }
   out.stiffness.setFromTriplets(entries.begin(), entries.end());
@@ -58,6 +59,10 @@ void round_edges(Mesh& mesh, double radius, const Work& work) {
   Eigen::SparseMatrix<double> system = d.stiffness * (variance / 2 / kSteps);
   system.diagonal() += d.mass;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(system);
+  if (solver.info() != Eigen::Success)
+    throw Error("bad-wear", "the edges of a stone cannot be worn, because its triangles are degenerate",
+                "choose axes that are more equal, a lower detail, or wear 0")
+        .parameter("wear");
   Eigen::MatrixX3d points(mesh.vertices.size(), 3);
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) points.row(i) = mesh.vertices[i].transpose();
   for (int step = 0; step < kSteps; ++step) {

@@ -170,13 +170,14 @@ NodeType shape_estimate_node() {
                      .range(0, 4)
                      .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
                            "triangles (about 500 to 2000 at 1, and 2,900 of an inflation, which is not "
-                           "Catmull–Clark). With control: auto, each level also allows more "
+                           "Catmull–Clark; with tessellation: direct, 4,000 at 1 and 260,000 at 4). With "
+                           "control: auto, each level also allows more "
                            "control points; grids with more than ten per quarter are subdivided only once."))
       .parameter(
           Parameter::choice("tessellation", "fitted", {"fitted", "direct"})
               .doc_("Surface of the two cylinders. fitted: a subdivision surface through few points, with "
                     "sharp edges at corners of the profiles. direct: triangles between points of equation 1 "
-                    "at equal arc lengths, 8·2^subdivision per quarter of a curve."))
+                    "at equal arc lengths, about 8·2^subdivision per quarter of a curve."))
       .parameter(
           Parameter::optional_integer("control", "auto")
               .range(2, 24)

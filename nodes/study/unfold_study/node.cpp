@@ -112,7 +112,7 @@ namespace terrazzo {
 
 NodeType unfold_study_node() {
   using namespace unfold_study;
-  return NodeType("UnfoldStudy", 7)
+  return NodeType("UnfoldStudy", 8)
       .doc_(
           "Measures how well unfolding recovers known sizes. Draws the profiles that random planes would "
           "show and unfolds them with every method, many times. All methods see the same profiles. Settings "
@@ -125,7 +125,7 @@ NodeType unfold_study_node() {
               "Mean of Σ|ΔN_V|/ΣN_V for each distribution and method, with its standard error")
       .output("densities", "Table",
               "True and recovered N_V by class, from the first successful repetition, and the coverage of "
-              "that class's intervals in all")
+              "the intervals of the class with this number in all; unless d_max: known, its edges differ")
       .output("figure", "Image", "Bar charts of the same densities, as in figure 7")
       .parameter(Parameter::texts("methods", {"em", "nnls", "inverse", "equation 4"})
                      .doc_("Unfolding methods to compare: em, nnls and inverse (as in Unfold), and equation "

@@ -41,7 +41,10 @@ double TrueSizes::profiles_between(double low, double high) const {
     const double a = edges_[j], b = edges_[j + 1];
     const double from = std::clamp(low, a, b), to = std::clamp(high, a, b);
     all += N_V_[j] * (a + b) / 2;
-    if (b > a) sum += N_V_[j] * (to * to - from * from) / (2 * (b - a));
+    if (b > a)
+      sum += N_V_[j] * (to * to - from * from) / (2 * (b - a));
+    else if (a > low && a <= high)
+      sum += N_V_[j] * a;
   }
   return sum / all;
 }

@@ -68,7 +68,7 @@ Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
 Estimate inflation(const EstimateRequest&, const Work&);
 
 // The surface swept over a frame (morph_frame.h): fitted with enough control points to reproduce its curves,
-// or direct with 8·2^subdivision points per quarter of each curve.
+// or direct with about 8·2^subdivision points per quarter of each curve.
 struct MorphFrame;
 Estimate swept_surface(const MorphFrame&, const EstimateRequest&, const Work&);
 
