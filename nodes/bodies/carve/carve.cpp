@@ -11,6 +11,7 @@
 #include "nodes/bodies/carve/subdivide.h"
 #include "nodes/bodies/carve/surface_color.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/mesh/vertex_normals.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "runtime/memory.h"
 
@@ -23,17 +24,11 @@ Vec3 face_normal(const Mesh& mesh, std::size_t t) {
   return n.norm() > 0 ? Vec3(n.normalized()) : Vec3(Vec3::UnitZ());
 }
 
-// Means of the triangles' normals, weighted by area.
-std::vector<Vec3f> vertex_normals(const Mesh& mesh) {
-  std::vector<Vec3> sum(mesh.vertices.size(), Vec3::Zero());
-  for (const Triangle& t : mesh.triangles) {
-    const auto at = [&](int k) { return mesh.vertices[t[k]]; };
-    const Vec3 n = (at(1) - at(0)).cross(at(2) - at(0));
-    for (const auto v : t) sum[v] += n;
-  }
+// Smooth normals; z at vertices without area.
+std::vector<Vec3f> smooth_normals(const Mesh& mesh) {
   std::vector<Vec3f> out;
-  for (const Vec3& n : sum)
-    out.push_back(n.norm() > 0 ? Vec3f(n.normalized().cast<float>()) : Vec3f(Vec3f::UnitZ()));
+  for (const Vec3& n : vertex_normals(mesh))
+    out.push_back(n.isZero() ? Vec3f(Vec3f::UnitZ()) : Vec3f(n.cast<float>()));
   return out;
 }
 
@@ -100,7 +95,7 @@ Mesh make_surface(const carving::BodyParts& parts, double mm, double spacing, Vo
 // The colors of the vertices. Moves those that are close to the surface onto it if `move`.
 std::vector<Vec3f> color_vertices(Mesh& mesh, const SurfaceColor& colors, float reach, bool move,
                                   const Work& work) {
-  const auto normals = vertex_normals(mesh);
+  const auto normals = smooth_normals(mesh);
   std::vector<Vec3f> color(mesh.vertices.size());
   work.parallel(mesh.vertices.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {

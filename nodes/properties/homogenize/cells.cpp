@@ -28,8 +28,6 @@ bool continues(const Segment& s, const Segment& cell) {
 
 }  // namespace
 
-Vec3i merged_size(const Vec3i& size) { return (size.array() + 1) / 2; }
-
 Cells::Cells(const Vec3i& size, const std::array<bool, 3>& wraps, const std::vector<std::uint8_t>& open,
              std::vector<std::uint32_t>& index, std::uint64_t memory, const Work& work)
     : size_(size) {
@@ -55,15 +53,12 @@ Cells::Cells(const Vec3i& size, const std::array<bool, 3>& wraps, const std::vec
   });
   // Counted first, since in noise there are nearly as many segments as cells.
   plane_begin_.assign(size.z() + 1, 0);
-  work.parallel(size.z(), 1, [&](std::size_t z, std::size_t) {
-    plane_begin_[z + 1] = segments_of(static_cast<int>(z), wraps, index).size();
-  });
+  each_plane(size.z(), 1, work, [&](int z) { plane_begin_[z + 1] = segments_of(z, wraps, index).size(); });
   for (int z = 0; z < size.z(); ++z) plane_begin_[z + 1] += plane_begin_[z];
-  require_memory(sizeof(Segment) * static_cast<double>(plane_begin_.back()), memory,
-                 "the network of open voxels");
+  require_memory(1.0 * sizeof(Segment) * plane_begin_.back(), memory, "the network of open voxels");
   segments_.resize(plane_begin_.back());
-  work.parallel(size.z(), 1, [&](std::size_t z, std::size_t) {
-    const auto segments = segments_of(static_cast<int>(z), wraps, index);
+  each_plane(size.z(), 1, work, [&](int z) {
+    const auto segments = segments_of(z, wraps, index);
     std::copy(segments.begin(), segments.end(), segments_.begin() + plane_begin_[z]);
   });
 }
@@ -126,18 +121,18 @@ std::vector<Cells> levels_of(const Vec3i& size, const std::array<bool, 3>& wraps
   std::vector<std::uint8_t> merged;
   while (out.back().size().maxCoeff() > kFewest) {
     Cells& cells = out.back();
-    const Vec3i n = cells.size(), m = merged_size(n);
+    const Vec3i n = cells.size(), m = (n.array() + 1) / 2;
     merged.assign(voxels_in(m), 0);
-    work.parallel(m.z(), 1, [&](std::size_t half, std::size_t) {
-      for (int z = 2 * static_cast<int>(half); z < std::min<int>(2 * static_cast<int>(half) + 2, n.z()); ++z)
+    each_plane(m.z(), 1, work, [&](int half) {
+      for (int z = 2 * half; z < std::min(2 * half + 2, n.z()); ++z)
         for (const Segment& s : cells.plane(z))
           for (int x = s.x; x < s.x + s.length; ++x) merged[voxel_at(x / 2, s.y / 2, z / 2, m)] = 1;
     });
     Cells coarser(m, wraps, merged, index, memory, work);
-    work.parallel(n.z(), 1, [&](std::size_t z, std::size_t) {
+    each_plane(n.z(), 1, work, [&](int z) {
       for (std::size_t k = cells.plane_begin_[z]; k < cells.plane_begin_[z + 1]; ++k) {
         Segment& s = cells.segments_[k];
-        s.parent = index[voxel_at(s.x / 2, s.y / 2, static_cast<int>(z) / 2, m)];
+        s.parent = index[voxel_at(s.x / 2, s.y / 2, z / 2, m)];
       }
     });
     out.push_back(std::move(coarser));

@@ -2,6 +2,7 @@
 // have a place in arrays, so that a rock needs the memory and time of its pores.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -55,7 +56,7 @@ class Cells {
   }
   int seams() const { return seams_; }  // number of axes that wrap around an odd number of cells above 1
   std::size_t grain() const;            // planes of one range of a parallel loop, of at least 2¹⁵ cells
-  double bytes() const { return sizeof(Segment) * static_cast<double>(segments_.size()); }
+  double bytes() const { return 1.0 * sizeof(Segment) * segments_.size(); }
 
  private:
   friend std::vector<Cells> levels_of(const Vec3i&, const std::array<bool, 3>&,
@@ -79,22 +80,36 @@ class Cells {
 std::vector<Cells> levels_of(const Vec3i& size, const std::array<bool, 3>& wraps,
                              const std::vector<std::uint8_t>& open, std::uint64_t memory, const Work&);
 
-constexpr double kLevelBytes =
-    9;  // of each voxel until levels_of() returns: phases and masks of its callers, too
+// Of each voxel until levels_of() returns: the phases and masks of its callers, too.
+constexpr double kLevelBytes = 9;
 
 // Values of cells at their voxels, and 0 elsewhere. T: float or double.
 template <class T>
 std::vector<float> of_voxels(const Cells&, const std::vector<T>& values, const Work&);
 
-// The merged voxels: of two along each axis, or one of an axis with one.
-Vec3i merged_size(const Vec3i& size);
+// Calls visit(z) for z = 0 … planes − 1, on all threads.
+template <class Visit>
+void each_plane(int planes, std::size_t grain, const Work& work, Visit&& visit) {
+  work.quiet().parallel(planes, grain, [&](std::size_t begin, std::size_t end) {
+    for (int z = begin, stop = end; z < stop; ++z) visit(z);
+  });
+}
 
 // Calls visit(segment, z) for each segment, on all threads.
 template <class Visit>
 void each_segment(const Cells& cells, const Work& work, Visit&& visit) {
-  work.quiet().parallel(cells.size().z(), cells.grain(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t z = begin; z < end; ++z)
-      for (const Segment& s : cells.plane(static_cast<int>(z))) visit(s, static_cast<int>(z));
+  each_plane(cells.size().z(), cells.grain(), work, [&](int z) {
+    for (const Segment& s : cells.plane(z)) visit(s, z);
+  });
+}
+
+// Calls visit(segment, z) for each segment of a finer level, on all threads, of which one handles all parents
+// in a plane of the coarser level.
+template <class Visit>
+void each_child(const Cells& fine, const Cells& coarse, const Work& work, Visit&& visit) {
+  each_plane(coarse.size().z(), coarse.grain(), work, [&](int half) {
+    for (int z = 2 * half; z < std::min(2 * half + 2, fine.size().z()); ++z)
+      for (const Segment& s : fine.plane(z)) visit(s, z);
   });
 }
 
@@ -106,9 +121,9 @@ double sum_over(const Cells& cells, const Work& work, Value&& value) {
       cells.size().z(), cells.grain(), 0,
       [&](std::size_t begin, std::size_t end) {
         double sum = 0;
-        for (std::size_t z = begin; z < end; ++z)
-          for (const Segment& s : cells.plane(static_cast<int>(z)))
-            for (int i = 0; i < s.length; ++i) sum += value(s, i, static_cast<int>(z));
+        for (int z = begin, stop = end; z < stop; ++z)
+          for (const Segment& s : cells.plane(z))
+            for (int i = 0; i < s.length; ++i) sum += value(s, i, z);
         return sum;
       },
       [](double a, double b) { return a + b; });

@@ -292,8 +292,7 @@ Pores pores_of(const VoxelBox& box, const std::vector<std::uint8_t>& open, int a
   out.box.size += layer;
   out.fluid.assign(out.box.count(), 0);
   const Vec3i& n = box.size;
-  work.parallel(n.z(), 1, [&](std::size_t plane, std::size_t) {
-    const int z = static_cast<int>(plane);
+  each_plane(n.z(), 1, work, [&](int z) {
     for (int y = 0; y < n.y(); ++y) {
       const std::uint8_t* row = &open[voxel_at(0, y, z, n)];
       std::copy(row, row + n.x(),

@@ -90,16 +90,14 @@ Conductances Multigrid::merged(const Level& fine, const Cells& coarse, const Wor
   if (!fine.sink.empty()) out.sink.assign(coarse.length(), 0);
   const Vec3i& n = fine.cells->size();
   const auto leaves = [&](int axis, int at) { return at % 2 == 1 || at == n[axis] - 1; };
-  work.parallel(coarse.size().z(), coarse.grain(), [&](std::size_t begin, std::size_t end) {
-    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), n.z()); ++z)
-      for (const Segment& s : fine.cells->plane(z))
-        for (int i = 0; i < s.length; ++i) {
-          const std::size_t from = s.at + i, to = s.parent + (s.x % 2 + i) / 2;
-          if (leaves(0, s.x + i)) out.face[0][to] += fine.face[0][from];
-          if (leaves(1, s.y)) out.face[1][to] += fine.face[1][from];
-          if (leaves(2, z)) out.face[2][to] += fine.face[2][from];
-          if (!fine.sink.empty()) out.sink[to] += fine.sink[from];
-        }
+  each_child(*fine.cells, coarse, work, [&](const Segment& s, int z) {
+    for (int i = 0; i < s.length; ++i) {
+      const std::size_t from = s.at + i, to = s.parent + (s.x % 2 + i) / 2;
+      if (leaves(0, s.x + i)) out.face[0][to] += fine.face[0][from];
+      if (leaves(1, s.y)) out.face[1][to] += fine.face[1][from];
+      if (leaves(2, z)) out.face[2][to] += fine.face[2][from];
+      if (!fine.sink.empty()) out.sink[to] += fine.sink[from];
+    }
   });
   return out;
 }
@@ -120,17 +118,14 @@ void Multigrid::smooth(Level& l, bool forward, const Work& work) {
 }
 
 void Multigrid::restrict_residual(const Level& fine, Level& coarse, const Work& work) {
-  const Vec3i &n = fine.cells->size(), &m = coarse.cells->size();
   std::fill(coarse.b.begin(), coarse.b.end(), 0);
-  work.parallel(m.z(), coarse.cells->grain(), [&](std::size_t begin, std::size_t end) {
-    for (int z = 2 * static_cast<int>(begin); z < std::min(2 * static_cast<int>(end), n.z()); ++z)
-      for (const Segment& s : fine.cells->plane(z))
-        along(s, 0, 1, [&](std::size_t i, std::size_t west, std::size_t east) {
-          const float inverse = fine.inverse[s.at + i];
-          if (inverse > 0)
-            coarse.b[s.parent + (s.x % 2 + i) / 2] +=
-                fine.b[s.at + i] + sum_of_neighbors(fine, s, i, west, east) - fine.x[s.at + i] / inverse;
-        });
+  each_child(*fine.cells, *coarse.cells, work, [&](const Segment& s, int) {
+    along(s, 0, 1, [&](std::size_t i, std::size_t west, std::size_t east) {
+      const float inverse = fine.inverse[s.at + i];
+      if (inverse > 0)
+        coarse.b[s.parent + (s.x % 2 + i) / 2] +=
+            fine.b[s.at + i] + sum_of_neighbors(fine, s, i, west, east) - fine.x[s.at + i] / inverse;
+    });
   });
 }
 

@@ -10,6 +10,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/directions.h"
+#include "nodes/common/geometry/mesh/vertex_normals.h"
 
 namespace terrazzo::shape {
 namespace {
@@ -36,17 +37,6 @@ Diffusion diffusion_of(const Mesh& mesh) {
     }
   out.stiffness.setFromTriplets(entries.begin(), entries.end());
   return out;
-}
-
-std::vector<Vec3> normals_of(const Mesh& mesh) {
-  std::vector<Vec3> normals(mesh.vertices.size(), Vec3::Zero());
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 n =
-        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
-    for (const int v : t) normals[v] += n;
-  }
-  for (Vec3& n : normals) n.normalize();
-  return normals;
 }
 
 }  // namespace
@@ -85,7 +75,7 @@ void roughen(Mesh& mesh, double sd, double diameter, Random r) {
     weight[i] = length;
     power += length * length / 2;
   }
-  const std::vector<Vec3> normals = normals_of(mesh);
+  const std::vector<Vec3> normals = vertex_normals(mesh);
   for (std::size_t k = 0; k < normals.size(); ++k) {
     double f = 0;
     for (int i = 0; i < kWaves; ++i) f += weight[i] * std::cos(wave[i].dot(mesh.vertices[k]) + phase[i]);

@@ -7,6 +7,7 @@
 
 #include "nodes/common/geometry/mesh/aabb_tree.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/mesh/vertex_normals.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
 #include "nodes/packing/rigid/simplify.h"
@@ -75,18 +76,6 @@ std::vector<std::pair<int, int>> convex_edges(const Mesh& mesh, double angle) {
     if (convex) result.push_back(key);
   }
   return result;
-}
-
-std::vector<Vec3> vertex_normals(const Mesh& mesh) {
-  std::vector<Vec3> normal(mesh.vertices.size(), Vec3::Zero());
-  for (const auto& t : mesh.triangles) {
-    const Vec3 n =
-        (mesh.vertices[t[1]] - mesh.vertices[t[0]]).cross(mesh.vertices[t[2]] - mesh.vertices[t[0]]);
-    for (int v : t) normal[v] += n;
-  }
-  for (auto& n : normal)
-    if (n.norm() > 0) n.normalize();
-  return normal;
 }
 
 struct Choice {

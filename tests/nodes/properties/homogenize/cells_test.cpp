@@ -55,8 +55,9 @@ TEST(Cells, OfEveryLevelAreInOrderWithTheirNeighborsOfOtherColors) {
       const Vec3i& n = cells.size();
       const auto numbers = numbers_of(cells);
       std::size_t expected = cells.first();
-      for (const std::size_t number : numbers)
+      for (const std::size_t number : numbers) {
         if (number != 0) EXPECT_EQ(number, expected++);
+      }
       EXPECT_EQ(cells.length(), expected);
       std::vector<int> color(cells.length(), -1);
       each_cell(cells, [&](const Segment& s, int i, const Vec3i& at) {
@@ -69,7 +70,9 @@ TEST(Cells, OfEveryLevelAreInOrderWithTheirNeighborsOfOtherColors) {
             const std::size_t found = by == 1 ? s.next(a, i) : s.previous(a, i);
             const std::size_t truth = cell_at(numbers, at + by * Vec3i::Unit(a), n, wraps);
             EXPECT_EQ(found < cells.first() ? 0 : found, truth) << seed << " axis " << a;
-            if (truth != 0 && n[a] > 1) EXPECT_NE(color[truth], color[s.at + i]) << seed << " axis " << a;
+            if (truth != 0 && n[a] > 1) {
+              EXPECT_NE(color[truth], color[s.at + i]) << seed << " axis " << a;
+            }
           }
       });
     }

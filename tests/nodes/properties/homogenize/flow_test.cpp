@@ -97,8 +97,9 @@ TEST(Flow, BetweenFixedPressuresIsThatOfTheMirrorImage) {
     const double mean = periodic.potential[copy[fast]] - fixed.potential[fast];
     for (std::size_t i = 0; i < copy.size(); ++i) {
       EXPECT_NEAR(fixed.flow[i], periodic.flow[copy[i]], 1e-5 * fastest) << axis << i;
-      if (fixed.flow[i] > 0)
+      if (fixed.flow[i] > 0) {
         EXPECT_NEAR(fixed.potential[i], periodic.potential[copy[i]] - mean, 1e-4) << axis << i;
+      }
     }
   }
 }

@@ -15,7 +15,7 @@ export const writersOf = (doc: Doc, types: Map<string, NodeType>): DocNode[] => 
   return all.length > kFew ? all : [];
 };
 
-// The graph with one card in the place of the nodes that write files.
+// The graph, with one card instead of the nodes that write files.
 export function fold(doc: Doc, types: Map<string, NodeType>): Doc {
   const writers = writersOf(doc, types), names = new Set(writers.map(n => n.name));
   if (!writers.length) return doc;
