@@ -7,7 +7,7 @@
 #include <ctime>
 
 #include "nodes/data/indices.h"
-#include "nodes/media/media_solid/anneal.h"
+#include "nodes/media/annealing/anneal.h"
 #include "nodes/solids/synthesis/optimize_solid.h"
 #include "tests/bench/blobs.h"
 
@@ -63,9 +63,9 @@ void media_beside_solid_texture(benchmark::State& state) {
   for (const std::uint8_t p : map.at) exemplar.pixels.push_back(Vec3f::Constant(p ? 0.8f : 0.1f));
   for (auto _ : state) {
     double start = cpu_now();
-    media_solid::AnnealOptions options;
+    annealing::AnnealOptions options;
     options.size = Vec3i::Constant(n);
-    const auto ours = media_solid::synthesize({map}, options, {});
+    const auto ours = annealing::synthesize({map}, options, {});
     const double seconds = cpu_now() - start;
     start = cpu_now();
     solids::SolidOptions texture;
@@ -83,9 +83,9 @@ BENCHMARK(media_beside_solid_texture)->Arg(64)->Arg(128)->Iterations(1)->Unit(be
 // All cores.
 void media_solid_of(benchmark::State& state) {
   const media::PhaseMap map = picture();
-  media_solid::AnnealOptions options;
+  annealing::AnnealOptions options;
   options.size = Vec3i::Constant(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(media_solid::synthesize({map}, options, {}));
+  for (auto _ : state) benchmark::DoNotOptimize(annealing::synthesize({map}, options, {}));
 }
 BENCHMARK(media_solid_of)->Arg(128)->Arg(256)->Iterations(1)->Unit(benchmark::kSecond)->UseRealTime();
 

@@ -18,6 +18,7 @@
 #include "nodes/data/size_distribution.h"
 #include "nodes/data/strokes.h"
 #include "nodes/data/table.h"
+#include "nodes/media/annealing/media_base.h"
 #include "nodes/solids/synthesis/solid_base.h"
 #include "runtime/compute_node.h"
 #include "runtime/evaluate.h"
@@ -138,7 +139,8 @@ Value empty_value(const std::string& type) {
       {"KMatrix", Value::of(KMatrix{})},     {"SizeDistribution", Value::of(SizeDistribution{})},
       {"Table", Value::of(Table{})},         {"Particles", Value::of(Particles{})},
       {"Volume", Value::of(Volume{})},       {"Strokes", Value::of(Strokes{})},
-      {"SolidBase", Value::of(SolidBase{})}, {"Detail", Value::of(Detail{})}};
+      {"SolidBase", Value::of(SolidBase{})}, {"Detail", Value::of(Detail{})},
+      {"MediaBase", Value::of(MediaBase{})}};
   const auto it = values.find(type);
   return it == values.end() ? Value() : it->second;
 }

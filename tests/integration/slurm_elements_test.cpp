@@ -152,6 +152,26 @@ TEST_F(SlurmElements, AreTheBlocksAndDrawsOfAProperty) {
   EXPECT_EQ(table, read_file(folder / "local/property.csv"));
 }
 
+// A solid of phases in blocks that are tasks.
+TEST_F(SlurmElements, AreTheBlocksOfASolidOfPhases) {
+  std::ofstream(folder / "phases.yaml") << R"(terrazzo: 1
+nodes:
+  photo: {type: Pattern, params: {kind: marble, width: 96, height: 96}}
+  base: {type: MediaBase, inputs: {image: photo.image}, params: {size: [24, 24, 288]}}
+  block: {type: MediaBlock, each: {k: "0:2:1"}, inputs: {base: base.base}, params: {blocks: 3, block: "${k}"}}
+  whole: {type: JoinVolumes, inputs: {volumes: block.volume}}
+)";
+  const auto done = run("phases.yaml");
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("round 1 of 1: 3 elements"), std::string::npos) << done.out;
+  const auto spread = nodes();
+  const auto local = run_program({"run", (folder / "phases.yaml").string(), "--report",
+                                  (folder / "report.json").string(), "--no-cache", "--quiet"});
+  ASSERT_EQ(local.exit_code, 0) << local.err;
+  for (const auto& [name, node] : nodes())
+    EXPECT_EQ(node.at("outputs"), spread.at(name).at("outputs")) << name;
+}
+
 TEST_F(SlurmElements, ThatFailAreReportedAndNothingElseRuns) {
   std::ofstream(folder / "photos.yaml") << R"(terrazzo: 1
 nodes:

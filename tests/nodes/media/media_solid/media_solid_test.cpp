@@ -9,16 +9,16 @@
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
-#include "nodes/media/media_solid/anneal.h"
-#include "nodes/media/media_solid/comparison.h"
-#include "nodes/media/media_solid/level.h"
+#include "nodes/media/annealing/anneal.h"
+#include "nodes/media/annealing/comparison.h"
+#include "nodes/media/annealing/level.h"
 #include "runtime/random.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
-using namespace media_solid;
+using namespace annealing;
 using media::PhaseMap;
 
 // Discs of one radius at random places; `phases` kinds of them in turn.
@@ -94,12 +94,13 @@ TEST(MediaSolid, CountsFollowTheField) {
     std::vector<std::uint8_t> noise(10 * 12 * 9);
     for (std::size_t i = 0; i < noise.size(); ++i)
       noise[i] = static_cast<std::uint8_t>(Random(3, 1, i).below(phases));
-    Level level(noise, size, phases, targets, 1e-3, {});
+    const Layers all{0, size.z()};
+    Level level(noise, size, phases, targets, 1e-3, all, {});
     const double before = level.mismatch();
     for (int s = 0; s < 5; ++s) EXPECT_GT(level.sweep(s, s < 3 ? 2.0 : 0.0, {}), 0u);
     const double after = level.mismatch();
     EXPECT_LT(after, before / 3);
-    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, {}).mismatch(), after, 1e-9 * before);
+    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, all, {}).mismatch(), after, 1e-9 * before);
   }
 }
 

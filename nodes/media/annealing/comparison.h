@@ -6,9 +6,9 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/table.h"
-#include "nodes/media/media_solid/anneal.h"
+#include "nodes/media/annealing/anneal.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 
 // A number, or a function of the distance, for one phase.
 struct Agreement {
@@ -38,4 +38,4 @@ std::vector<Shown> show(const std::vector<media::PhaseMap>&, const AnnealOptions
 // These pictures above the functions of the first picture.
 Image agreement_figure(const std::vector<Agreement>&, const std::vector<Shown>&);
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

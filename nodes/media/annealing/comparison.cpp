@@ -1,4 +1,4 @@
-#include "nodes/media/media_solid/comparison.h"
+#include "nodes/media/annealing/comparison.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "nodes/common/texture/phase_statistics.h"
 #include "nodes/data/indices.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 namespace {
 using media::cut;
 using media::PhaseMap;
@@ -264,4 +264,4 @@ Table agreement_table(const std::vector<Agreement>& all) {
   return t;
 }
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

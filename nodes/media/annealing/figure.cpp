@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "nodes/common/plot/plot.h"
-#include "nodes/media/media_solid/comparison.h"
+#include "nodes/media/annealing/comparison.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 namespace {
 
 constexpr int kColumns = 3, kTop = 28;  // plots side by side; pixels above pictures
@@ -67,4 +67,4 @@ Image agreement_figure(const std::vector<Agreement>& all, const std::vector<Show
   return out;
 }
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

@@ -1,4 +1,4 @@
-#include "nodes/media/media_solid/level.h"
+#include "nodes/media/annealing/level.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include "nodes/data/indices.h"
 #include "runtime/random.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 namespace {
 
 constexpr std::size_t kBatch = 4096;  // voxels that decide on the same counts
@@ -53,16 +53,17 @@ void Level::PatternCounts::change(int pattern, std::int64_t by) {
 }
 
 Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
-             const std::vector<PatternTarget>& targets, double floor, const Work& work)
+             const std::vector<PatternTarget>& targets, double floor, const Layers& free, const Work& work)
     : field_(std::move(field)),
       size_(size),
+      free_(free),
       step_{1, static_cast<std::uint32_t>(size.x()), static_cast<std::uint32_t>(size.x()) * size.y()},
       phases_(phases),
       counted_(phases == 2 ? 1 : phases),
       first_(phases == 2 ? 1 : 0) {
   for (const PatternTarget& t : targets) {
     groups_.push_back(group_of(t.axis, t.spacing));
-    for (int p = first_; p < phases_; ++p) tables_.push_back(table_of(t.phase[p], floor));
+    for (int p = first_; p < phases_; ++p) tables_.push_back(table_of(groups_.back(), t.phase[p], floor));
   }
   for (int p = first_; p < phases_; ++p) bits_.push_back(bits_of(p, work));
   count_all(work);
@@ -82,13 +83,18 @@ Level::Group Level::group_of(int axis, int spacing) const {
   return out;
 }
 
-Level::PatternCounts Level::table_of(const Frequencies& frequencies, double floor) const {
-  const double voxels = field_.size();
+Layers Level::counted_layers(const Group& group) const {
+  if (free_.count == size_.z() || group.axis == 2) return free_;
+  return {free_.first - 2 * group.spacing, free_.count + 2 * group.spacing};
+}
+
+Level::PatternCounts Level::table_of(const Group& group, const Frequencies& frequencies, double floor) const {
   PatternCounts out;
+  out.places = static_cast<double>(counted_layers(group).count) * step_[2];
   for (int k = 0; k < kPatterns; ++k) {
-    const double expected = frequencies[k] * voxels;
+    const double expected = frequencies[k] * out.places;
     out.excess[k] = -std::llround(expected);
-    out.weight[k] = static_cast<float>(1 / (expected + floor * voxels));
+    out.weight[k] = static_cast<float>(1 / (expected + floor * out.places));
   }
   return out;
 }
@@ -173,14 +179,17 @@ void Level::apply(std::uint32_t voxel, int to) {
 
 void Level::count_all(const Work& work) {
   using Counts = std::array<std::int64_t, kPatterns>;
-  for (std::size_t g = 0; g < groups_.size(); ++g)
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Layers layers = counted_layers(groups_[g]);
+    const std::size_t first = static_cast<std::size_t>(layers.first) * step_[2];
     for (int p = 0; p < counted_; ++p) {
       const Counts counts = work.quiet().reduce(
-          field_.size(), 1 << 16, Counts{},
+          static_cast<std::size_t>(layers.count) * step_[2], 1 << 16, Counts{},
           [&](std::size_t begin, std::size_t end) {
             Counts part{};
             // The pattern whose lower left pixel is the voxel.
-            for (std::size_t v = begin; v < end; ++v) ++part[around(groups_[g], bits_[p], place(v))[2] >> 6];
+            for (std::size_t v = first + begin; v < first + end; ++v)
+              ++part[around(groups_[g], bits_[p], place(v))[2] >> 6];
             return part;
           },
           [](Counts a, const Counts& b) {
@@ -189,6 +198,7 @@ void Level::count_all(const Work& work) {
           });
       for (int k = 0; k < kPatterns; ++k) tables_[g * counted_ + p].change(k, counts[k]);
     }
+  }
 }
 
 unsigned Level::neighbors(std::uint32_t voxel, const Vec3i& at) const {
@@ -203,12 +213,13 @@ unsigned Level::neighbors(std::uint32_t voxel, const Vec3i& at) const {
 
 std::vector<std::uint32_t> Level::interface(const Work& work) const {
   using List = std::vector<std::uint32_t>;
-  const std::size_t rows = field_.size() / step_[1];
+  const std::size_t rows = static_cast<std::size_t>(free_.count) * size_.y(),
+                    first = static_cast<std::size_t>(free_.first) * size_.y();
   return work.quiet().reduce(
       rows, std::max<std::size_t>(1, (1 << 16) / step_[1]), List{},
       [&](std::size_t begin, std::size_t end) {
         List out;
-        std::uint32_t v = begin * step_[1];
+        std::uint32_t v = (first + begin) * step_[1];
         for (std::size_t row = begin; row < end; ++row) {
           Vec3i at = place(v);
           for (; at.x() < size_.x(); ++at.x(), ++v)
@@ -269,7 +280,8 @@ std::size_t Level::sweep(std::uint64_t seed, double temperature, const Work& wor
 
 void Level::settle(const std::vector<std::int64_t>& count, const Work& work) {
   std::vector<std::int64_t> excess(phases_, 0);
-  for (const std::uint8_t p : field_) ++excess[p];
+  const std::size_t first = free_.first * step_[2], last = first + free_.count * step_[2];
+  for (std::size_t v = first; v < last; ++v) ++excess[field_[v]];
   for (int p = 0; p < phases_; ++p) excess[p] -= count[p];
   for (int from = 0; from < phases_; ++from)
     for (int to = 0; to < phases_; ++to)
@@ -286,7 +298,8 @@ void Level::move_cheapest(int from, int to, std::size_t n, const Work& work) {
     if (field_[v] == from && (neighbors(v, place(v)) >> to & 1)) at.push_back(v);
   if (at.size() < n) {  // the phases hardly touch
     at.clear();
-    for (std::size_t v = 0; v < field_.size(); ++v)
+    const std::size_t first = free_.first * step_[2], last = first + free_.count * step_[2];
+    for (std::size_t v = first; v < last; ++v)
       if (field_[v] == from) at.push_back(v);
   }
   std::vector<std::pair<double, std::uint32_t>> costs(at.size());
@@ -301,8 +314,8 @@ double Level::mismatch() const {
   double sum = 0;
   for (const PatternCounts& t : tables_)
     for (int k = 0; k < kPatterns; ++k)
-      sum += t.weight[k] * static_cast<double>(t.excess[k]) * static_cast<double>(t.excess[k]);
-  return sum / field_.size();
+      sum += t.weight[k] * static_cast<double>(t.excess[k]) * static_cast<double>(t.excess[k]) / t.places;
+  return sum;
 }
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
-#include "nodes/media/media_solid/patterns.h"
-#include "nodes/media/media_solid/phase_bits.h"
+#include "nodes/media/annealing/anneal.h"
+#include "nodes/media/annealing/patterns.h"
+#include "nodes/media/annealing/phase_bits.h"
 #include "runtime/work.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 
 // What the slices across one axis should show at one spacing, for each phase that counts.
 struct PatternTarget {
@@ -20,10 +21,14 @@ struct PatternTarget {
 
 class Level {
  public:
+  static constexpr int kFrozen = PhaseBits::kReach;  // layers beside the free ones that patterns reach
+
   // `floor`: the frequency q₀ that the smallest ones are known to, for their weight 1 / (q + q₀). With two
-  // phases only the second counts, since the first has the same patterns inverted.
+  // phases only the second counts, since the first has the same patterns inverted. `free`: the layers that
+  // may change, at least kFrozen from both ends, and only patterns over them count; or all layers of a field
+  // that tiles.
   Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases, const std::vector<PatternTarget>&,
-        double floor, const Work&);
+        double floor, const Layers& free, const Work&);
 
   // Visits the voxels that touch another phase across a face, in random order, and lets them take the phase
   // of a neighbor if that costs less than −temperature · ln(random number). Costs are the changes of voxels ·
@@ -31,7 +36,7 @@ class Level {
   // number of threads.
   std::size_t sweep(std::uint64_t seed, double temperature, const Work&);
 
-  // Changes the voxels that cost least until phase p has count[p] voxels.
+  // Changes the voxels that cost least until phase p has count[p] of the free voxels.
   void settle(const std::vector<std::int64_t>& count, const Work&);
 
   // Σ over targets, phases and patterns of (p − q)² / (q + q₀).
@@ -46,6 +51,7 @@ class Level {
     float remove, add;  // cost of one pattern less, one more
   };
   struct PatternCounts {
+    double places;                               // where patterns are counted
     std::array<std::int64_t, kPatterns> excess;  // count − target
     std::array<float, kPatterns> weight;
     std::array<Step, kPatterns> step;
@@ -62,7 +68,8 @@ class Level {
     PhaseBits along_x, along_y;
   };
   Group group_of(int axis, int spacing) const;
-  PatternCounts table_of(const Frequencies&, double floor) const;
+  Layers counted_layers(const Group&) const;  // of the lower left pixels of patterns that count
+  PatternCounts table_of(const Group&, const Frequencies&, double floor) const;
   Bits bits_of(int phase, const Work&) const;
   Vec3i place(std::uint32_t voxel) const;
   // Which of the 5 × 5 voxels around `at` in the group's slice are in a phase: three rows of three patterns.
@@ -83,6 +90,7 @@ class Level {
 
   std::vector<std::uint8_t> field_;
   Vec3i size_;
+  Layers free_;
   std::array<std::uint32_t, 3> step_;
   int phases_, counted_, first_;  // phases, those that count, the first of these
   std::vector<Group> groups_;
@@ -90,4 +98,4 @@ class Level {
   std::vector<PatternCounts> tables_;  // [group][phase that counts]
 };
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

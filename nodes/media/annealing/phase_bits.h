@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 
 // Lines of voxels along one axis that repeat.
 class PhaseBits {
@@ -41,4 +41,4 @@ class PhaseBits {
   std::vector<std::uint8_t> bits_;
 };
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

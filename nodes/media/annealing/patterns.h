@@ -7,7 +7,7 @@
 #include "nodes/media/micrograph/phase_map.h"
 #include "runtime/work.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 
 constexpr int kPatterns = 512;
 
@@ -18,4 +18,4 @@ using Frequencies = std::array<double, kPatterns>;
 // observed. `turned`: the mean over the eight rotations and reflections. Empty places give zeros.
 Frequencies pattern_frequencies(const media::PhaseMap&, int phase, int spacing, bool turned);
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

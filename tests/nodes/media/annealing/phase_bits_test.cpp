@@ -1,10 +1,10 @@
-#include "nodes/media/media_solid/phase_bits.h"
+#include "nodes/media/annealing/phase_bits.h"
 
 #include <gtest/gtest.h>
 
 #include "runtime/random.h"
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 namespace {
 
 // Lines shorter than the reach repeat more than once within it.
@@ -31,4 +31,4 @@ TEST(MediaSolid, BitsShowWhatIsAroundAVoxelOfALineThatRepeats) {
 }
 
 }  // namespace
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing

@@ -1,8 +1,8 @@
-#include "nodes/media/media_solid/patterns.h"
+#include "nodes/media/annealing/patterns.h"
 
 #include <utility>
 
-namespace terrazzo::media_solid {
+namespace terrazzo::annealing {
 namespace {
 
 // The pattern that `pattern` becomes by one of eight rotations and reflections.
@@ -50,4 +50,4 @@ Frequencies pattern_frequencies(const media::PhaseMap& map, int phase, int spaci
   return out;
 }
 
-}  // namespace terrazzo::media_solid
+}  // namespace terrazzo::annealing
