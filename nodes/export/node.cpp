@@ -36,14 +36,15 @@ namespace terrazzo {
 
 NodeType export_node() {
   using namespace exporting;
-  NodeType type("Export", 8);
+  NodeType type("Export", 9);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
           "glTF 2.0 with EXT_mesh_gpu_instancing; MaterialX 1.38 and 1.39; OpenUSD; OpenVDB; VTK XML 1.0; "
           "DREAM3D file version 7.0; "
           "NIfTI-1; "
-          "Abaqus keywords; Gmsh MSH 2.2; NanoVDB 32; Mitsuba 3; pbrt-v4; OpenImageIO; RFC 4180");
+          "Abaqus keywords; DAMASK 3; Neper tesr 2.1; OpenFOAM; LAMMPS; Gmsh MSH 2.2; NanoVDB 32; Mitsuba 3; "
+          "pbrt-v4; OpenImageIO; RFC 4180");
   for (const Input& in : kInputs) type.optional_input(in.name, {in.type}, in.doc);
   for (const MapName& map : kMaps) type.optional_input(map.name, {"Image"}, map.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
@@ -53,8 +54,10 @@ NodeType export_node() {
           ".usda "
           "(particles with shapes, or shapes, and a volume as .vdb beside it), .xml, .pbrt "
           "(scenes for Mitsuba 3 and pbrt-v4: particles with shapes, and a volume as the medium of the "
-          "binder), .vdb, .nvdb (volume), .vti (volume), .dream3d (volume), .inp (volume as a mesh of "
-          "voxels), .msh, .stl (surfaces of a volume's particles, cut at the sides of the box), .npy (one "
+          "binder), .vdb, .nvdb (volume), .vti, .dream3d, .vtu (volume), .inp (volume as a mesh of "
+          "voxels), .tesr (volume, for Neper), .foam (case for OpenFOAM: the binder of a volume), .lmp "
+          "(particles as spheres, for LAMMPS and LIGGGHTS), .msh, .stl (surfaces of a volume's particles, "
+          "cut at the sides of the box), .npy (one "
           "grid of a volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr "
           "(images; a stack becomes name_000, name_001, …; .png, .tif, .exr: also one texture map), .png, "
           ".tif, .exr (labels, as exact ids), .csv "
@@ -76,28 +79,27 @@ NodeType export_node() {
           Parameter::choice("id_type", "float", {"float", "int32"})
               .doc_(".vdb: type of the grids of whole numbers (id, source). float: more programs read it; "
                     "exact up to 2^24. int32: unchanged. LoadVolume gives the same grids for both."))
-      .parameter(
-          Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
-              .count(1, 64)
-              .doc_(".vdb, .nvdb, .vti, .dream3d, .usda: names of the grids to write. .npy, .nii: name of "
-                    "the one grid. "
-                    "auto: all; for .npy and .nii, id or the only grid."))
+      .parameter(Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
+                     .count(1, 64)
+                     .doc_(".vdb, .nvdb, .vti, .vtu, .dream3d, .usda: names of the grids to write. .npy, "
+                           ".nii: name of "
+                           "the one grid. "
+                           "auto: all; for .npy and .nii, id or the only grid."))
       .parameter(
           Parameter::choice("regions", "particles", {"particles", "phases"})
-              .doc_(
-                  ".vti, .dream3d, .inp, .msh: what has a number, element set or surface of its own, besides "
-                  "the binder: every particle, or every class of particles and all voids together (needs "
-                  "particles)."))
-      .parameter(
-          Parameter::integer("smoothing", 10)
-              .range(0, 1000)
-              .doc_(
-                  ".msh and .stl of a volume: how often each node moves toward the mean of its neighbors on "
-                  "the same surface, by at most half a voxel in all. 0: faces of voxels."))
+              .doc_(".vti, .vtu, .dream3d, .inp, .tesr, .foam, .msh: what has a number, element set or "
+                    "surface of its own, besides "
+                    "the binder: every particle, or every class of particles and all voids together (needs "
+                    "particles)."))
+      .parameter(Parameter::integer("smoothing", 10)
+                     .range(0, 1000)
+                     .doc_(".msh, .foam, and .stl of a volume: how often each node moves toward the mean of "
+                           "its neighbors on "
+                           "the same surface, by at most half a voxel in all. 0: faces of voxels."))
       .parameter(Parameter::choice("shader", "standard_surface", {"standard_surface", "open_pbr_surface"})
                      .doc_(".mtlx: standard_surface: MaterialX 1.38. open_pbr_surface: MaterialX 1.39."))
       .parameter(Parameter::choice("compression", "zlib", {"zlib", "none"})
-                     .doc_(".vti, .dream3d: compression of the voxels."))
+                     .doc_(".vti, .vtu, .dream3d: compression of the voxels."))
       .writes_files_()
       .compute_(compute);
 }

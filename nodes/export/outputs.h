@@ -8,6 +8,7 @@
 #include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
+#include "nodes/data/table.h"
 #include "nodes/export/formats.h"
 #include "runtime/context.h"
 
@@ -24,13 +25,23 @@ Volume chosen_grids(const Context&, const Volume&);
 // The one grid of a file that holds only one. Throws Error "several-grids", "no-such-grid".
 VoxelSource only_grid(const Context&, const Volume&, const VoxelBox&);
 
-// --- the formats of several files. `path` is that of the first; `particles` may be null. Each throws the
-// errors of its writers.
-void export_vti(Context&, const std::string& path, const Volume&, const Particles*);
-void export_dream3d(Context&, const std::string& path, const Volume&, const Particles*);
-void export_inp(Context&, const std::string& path, const Format&, const Volume&, const Particles*);
-// Surfaces of the regions of a volume: .msh, .stl.
-void export_surfaces(Context&, const std::string& path, const Format&, const Volume&, const Particles*);
+// --- the formats of several files. `path` is that of the first. Each throws the errors of its writers.
+
+// What a file of voxels is made of. All but the volume may be null.
+struct VoxelJob {
+  const std::string& path;
+  const Format& format;
+  const Volume& volume;
+  const Particles* particles = nullptr;
+  const Table* materials = nullptr;
+};
+void export_vti(Context&, const VoxelJob&);
+void export_vtu(Context&, const VoxelJob&);
+void export_dream3d(Context&, const VoxelJob&);
+void export_inp(Context&, const VoxelJob&);
+void export_tesr(Context&, const VoxelJob&);
+void export_foam(Context&, const VoxelJob&);
+void export_surfaces(Context&, const VoxelJob&);  // of the regions of a volume: .msh, .stl
 // .usda, .xml (Mitsuba) and .pbrt. `volume` may be null, and for .usda also `particles`: then the shapes are
 // written.
 void export_scene(Context&, const std::string& path, const Format&, const Particles* particles, const Shapes&,

@@ -107,6 +107,20 @@ Regions find_regions(const VoxelSource& id, const VoxelBox& box, const Particles
   return out;
 }
 
+Regions selected_regions(const Regions& regions, const std::function<bool(const Region&)>& keep) {
+  Regions out = regions;
+  out.all.clear();
+  std::vector<std::int32_t> number(regions.all.size(), 0);
+  for (std::size_t r = 0; r < regions.all.size(); ++r)
+    if (keep(regions.all[r])) {
+      number[r] = out.all.size();
+      out.all.push_back(regions.all[r]);
+    }
+  for (std::int32_t& n : out.of_particle)
+    if (n >= 0) n = number[n];
+  return out;
+}
+
 Table region_table(const Regions& regions, const VoxelBox& box, const Particles* particles) {
   Table table;
   table.columns = {"number",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ struct Regions {
 // Error "no-id" (the grid is not int32), "missing-input" (Phases without particles), "size-mismatch" (an id
 // beyond the particles).
 Regions find_regions(const VoxelSource& id, const VoxelBox&, const Particles*, RegionKind, const Work&);
+
+// The regions for which `keep` holds, numbered anew in their order. Voxels of the others get the number 0.
+Regions selected_regions(const Regions&, const std::function<bool(const Region&)>& keep);
 
 // One row per region: number, name, kind, particle, class, phase, voxels, volume mm³, fraction, size mm,
 // color_r, color_g, color_b (scene-linear). Cells that do not apply are empty text.

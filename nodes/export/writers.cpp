@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/common/stereology/profile_columns.h"
@@ -17,6 +18,7 @@
 #include "nodes/export/formats/outlines/outlines.h"
 #include "nodes/export/formats/picture_file.h"
 #include "nodes/export/formats/shapes_json.h"
+#include "nodes/export/formats/solvers/lammps_file.h"
 #include "nodes/export/formats/vdb_file.h"
 #include "nodes/export/outputs.h"
 #include "runtime/json_text.h"
@@ -101,10 +103,6 @@ void write_csv_file(const Job& job) {
   write_named(job.context, job.path, [&](const fs::path& file) { write_bytes(file, text); });
 }
 
-void write_dream3d_file(const Job& job) {
-  export_dream3d(job.context, job.path, *job.volume(), job.particles());
-}
-
 void write_glb_file(const Job& job) {
   Context& c = job.context;
   const MaterialMaps maps = job.maps();
@@ -135,8 +133,13 @@ void write_glb_file(const Job& job) {
   });
 }
 
-void write_inp_file(const Job& job) {
-  export_inp(job.context, job.path, job.format, *job.volume(), job.particles());
+void write_lammps_file(const Job& job) {
+  std::optional<SolverMaterials> materials;
+  if (const Table* table = job.find<Table>("Table")) materials.emplace(*table);
+  write_named(job.context, job.path, [&](const fs::path& file) {
+    write_lammps(file, *job.particles(), *job.find<Shapes>("Shapes"), materials ? &*materials : nullptr,
+                 job.context.work());
+  });
 }
 
 void write_json_file(const Job& job) {
@@ -239,7 +242,7 @@ void write_surfaces(const Job& job) {
   if (!job.volume())
     throw Error("missing-input", "particles without their shapes and volume have no surface",
                 "connect Voxelize.volume, or shapes");
-  export_surfaces(job.context, job.path, job.format, *job.volume(), job.particles());
+  write_voxels<export_surfaces>(job);
 }
 
 void write_vdb_file(const Job& job) {
@@ -248,7 +251,5 @@ void write_vdb_file(const Job& job) {
     write_vdb(file, chosen_grids(c, *job.volume()), c.provenance(), c.choice<WholeNumbers>("id_type"));
   });
 }
-
-void write_vti_file(const Job& job) { export_vti(job.context, job.path, *job.volume(), job.particles()); }
 
 }  // namespace terrazzo::exporting

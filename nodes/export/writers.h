@@ -10,6 +10,7 @@
 #include "nodes/data/volume.h"
 #include "nodes/export/formats.h"
 #include "nodes/export/formats/material_maps.h"
+#include "nodes/export/outputs.h"
 #include "runtime/context.h"
 
 namespace terrazzo::exporting {
@@ -27,10 +28,12 @@ inline constexpr std::array<Input, 10> kInputs = {{
     {"kmatrix", "KMatrix", "K matrix, the probabilities of profile sizes"},
     {"distribution", "SizeDistribution", "Number of particles per volume by size"},
     {"particles", "Particles",
-     "Packing. A .glb, .usda, .xml or .pbrt file also needs shapes. A .vti or .inp file takes classes and "
-     "voids from it"},
+     "Packing. A .glb, .usda, .xml, .pbrt or .lmp file also needs shapes. A .vti or .inp file takes classes, "
+     "voids and orientations from it"},
     {"volume", "Volume", "Volume of named grids"},
-    {"table", "Table", "Table of named columns"},
+    {"table", "Table",
+     "Table of named columns. In a .vti, .inp, .dream3d, .tesr or .lmp file, the materials: one row per "
+     "phase"},
     {"strokes", "Strokes", "Strokes on an image"},
 }};
 
@@ -62,10 +65,9 @@ struct Job {
 
 // Each throws the errors of its writer.
 void write_csv_file(const Job&);
-void write_dream3d_file(const Job&);
 void write_glb_file(const Job&);  // also "no-uv"
-void write_inp_file(const Job&);
 void write_json_file(const Job&);
+void write_lammps_file(const Job&);
 void write_materialx_file(const Job&);  // also the maps beside it
 void write_mesh_file(const Job&);       // .obj, .ply
 void write_nifti_file(const Job&);      // .nii, .nii.gz
@@ -77,6 +79,10 @@ void write_scene(const Job&);     // .usda, .xml (Mitsuba), .pbrt
 void write_stl_file(const Job&);  // of shapes or of a volume; also "format-does-not-fit"
 void write_surfaces(const Job&);  // .msh and .stl of a volume; also "missing-input"
 void write_vdb_file(const Job&);
-void write_vti_file(const Job&);
+// .vti, .vtu, .dream3d, .inp, .tesr, .foam
+template <void (*write)(Context&, const VoxelJob&)>
+void write_voxels(const Job& job) {
+  write(job.context, {job.path, job.format, *job.volume(), job.particles(), job.find<Table>("Table")});
+}
 
 }  // namespace terrazzo::exporting

@@ -234,5 +234,67 @@ TEST(Meshio, ReadsTheMeshAndItsSets) {
   EXPECT_EQ(j["point_sets"]["FACE_X1"].size(), 4u * 3);
 }
 
+// The stiffness of a crystal turned by `turn`, MPa: C_ijkl = R_ia R_jb R_kc R_ld C_abcd.
+std::array<double, 81> turned_stiffness(double c11, double c12, double c44, const Mat3& turn) {
+  const auto at = [](int i, int j, int k, int l) { return std::size_t(((i * 3 + j) * 3 + k) * 3 + l); };
+  std::array<double, 81> crystal{}, out{};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      crystal[at(i, i, j, j)] = i == j ? c11 : c12;
+      if (i != j) crystal[at(i, j, i, j)] = crystal[at(i, j, j, i)] = c44;
+    }
+  for (int n = 0; n < 81; ++n)
+    for (int m = 0; m < 81; ++m) {
+      double factor = crystal[std::size_t(m)];
+      for (int digit = 1; digit < 81; digit *= 3) factor *= turn(n / digit % 3, m / digit % 3);
+      out[std::size_t(n)] += factor;
+    }
+  return out;
+}
+
+// A single crystal under the job that Export writes: strains xx given, yy and zz free, no shear.
+TEST(CalculiX, RunsTheExportedJobOfATurnedCrystal) {
+  if (!test::has_program("ccx"))
+    GTEST_SKIP() << "calculix-ccx is not installed; ./dev test --all installs it";
+  Volume v = layers(true);
+  const auto id = v.find<openvdb::Int32Grid>("id")->deepCopy();
+  id->denseFill(openvdb::CoordBBox(0, 0, 0, kX - 1, kY - 1, kZ - 1), 0);
+  v.grids = {id};
+  Particles p;
+  p.box = Vec3(0.5 * kX, 0.5 * kY, 0.5 * kZ);
+  p.resize(1);
+  p.orientation[0] = Quat(0.3, -0.5, 0.7, 0.2).normalized();
+  Table t;
+  t.columns = {"phase", "name", "lattice", "C_11 GPa", "C_12 GPa", "C_44 GPa"};
+  t.rows = {{"PHASE_0", "Copper", "cF", 168.3, 122.1, 75.7}};
+  const fs::path folder = test::temporary_folder();
+  test::run_node("Export", {{"volume", Value::of(v)}, {"particles", Value::of(p)}, {"table", Value::of(t)}},
+                 {{"path", "mesh.inp"}}, folder);
+  const auto run = test::run_command({"ccx", "-i", "mesh_job"}, {.folder = folder});
+  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+  const auto c = turned_stiffness(168300, 122100, 75700, p.orientation[0].toRotationMatrix());
+  const auto at = [&](int i, int j, int k) { return c[std::size_t((i * 3 + j) * 9 + 4 * k)]; };
+  const double strain = 0.001;
+  Eigen::Matrix2d rest;
+  rest << at(1, 1, 1), at(1, 1, 2), at(2, 2, 1), at(2, 2, 2);
+  const Eigen::Vector2d free = rest.inverse() * (-strain * Eigen::Vector2d(at(1, 1, 0), at(2, 2, 0)));
+  const auto stress = [&](int i, int j) {
+    return at(i, j, 0) * strain + at(i, j, 1) * free[0] + at(i, j, 2) * free[1];
+  };
+  const double expected[] = {stress(0, 0), 0, 0, stress(0, 1), stress(0, 2), stress(1, 2)};
+  EXPECT_GT(std::abs(expected[3]) + std::abs(expected[4]), 5);
+  int found = 0;
+  std::ifstream in(folder / "mesh_job.dat");
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    int element = 0, point = 0;
+    Stress s;
+    if (!(words >> element >> point >> s[0] >> s[1] >> s[2] >> s[3] >> s[4] >> s[5])) continue;
+    ++found;
+    for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(s[k], expected[k], 1e-3) << k;
+  }
+  EXPECT_EQ(found, 8 * kX * kY * kZ);
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -10,14 +10,14 @@
 #include "nodes/data/labels.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/volume.h"
-#include "nodes/export/formats/dream3d_file.h"
 #include "nodes/export/formats/gltf.h"
 #include "nodes/export/formats/mesh_file.h"
 #include "nodes/export/formats/nifti_file.h"
 #include "nodes/export/formats/npy_file.h"
 #include "nodes/export/formats/picture_file.h"
+#include "nodes/export/formats/solvers/dream3d_file.h"
+#include "nodes/export/formats/solvers/vti_file.h"
 #include "nodes/export/formats/vdb_file.h"
-#include "nodes/export/formats/vti_file.h"
 #include "runtime/files.h"
 #include "runtime/random.h"
 #include "tests/nodes/volumes/load_volume/nifti_file.h"
@@ -201,7 +201,7 @@ void voxel_files(Writer& w) {
   const VoxelBox box = voxel_box(v);
   const VoxelSource ids(v, "id", box), colors(v, "Cd", box);
   const Regions regions = find_regions(ids, box, nullptr, RegionKind::Particles, {});
-  for (const auto compression : {VtiCompression::Zlib, VtiCompression::None})
+  for (const auto compression : {VtkCompression::Zlib, VtkCompression::None})
     for (const char* reader : {"LoadVolume.vti", "provenance.vti"})
       write_vti(w.place(reader, "a.vti"),
                 {box, {ids, colors}, &ids, &regions, compression, "{\"document\":\"\"}"});

@@ -65,7 +65,7 @@ std::string read_provenance(const std::filesystem::path& path) {
   if (extension == ".glb") return from_glb(path, reading);
   if (extension == ".vdb") return from_vdb(path, reading);
   if (extension == ".dream3d") return from_dream3d(path, reading);
-  if (extension == ".vti") return provenance_in_vti(path);
+  if (extension == ".vti" || extension == ".vtu") return provenance_in_vti(path);
   if (extension == ".usda") return provenance_in_usda(path);
   if (extension == ".xml" || extension == ".pbrt" || extension == ".mtlx") return provenance_in_scene(path);
   if (extension == ".inp") return provenance_in_inp(path);

@@ -10,10 +10,9 @@
 
 #include "nodes/data/image.h"
 #include "nodes/data/shapes.h"
+#include "nodes/export/formats/units.h"
 
 namespace terrazzo::exporting {
-
-constexpr double kMetersPerMm = 0.001;
 
 // The rotation by −90° about x that turns z up into y up.
 inline Vec3 y_up(const Vec3& v) { return {v.x(), v.z(), -v.y()}; }

@@ -1,14 +1,17 @@
-// ./dev contents: updates this machine's entry in tests/contract/contents.json. Refuses results that changed
-// while the version of their node did not.
+// ./dev contents [NODE...]: updates this machine's entry in tests/contract/contents.json, or only these nodes
+// in it. Refuses results that changed while the version of their node did not.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <fstream>
 #include <iostream>
+#include <string>
+#include <vector>
 
 #include "nodes/register_nodes.h"
 #include "tests/contract/contents.h"
 
-int main() try {
+int main(int argc, char** argv) try {
   using namespace terrazzo;
   using nlohmann::json;
   Registry registry;
@@ -17,9 +20,13 @@ int main() try {
   const json machine = test::this_machine();
   const json* known = test::contents_on(all, machine);
   const json before = known ? *known : json::object();
-  json types = json::object();
+  const std::vector<std::string> chosen(argv + 1, argv + argc);
+  for (const std::string& name : chosen)
+    if (!registry.find(name)) throw std::runtime_error("there is no node " + name);
+  json types = chosen.empty() ? json::object() : before;
   int changed = 0, refused = 0;
   for (const NodeType* type : registry.all()) {
+    if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), type->name) == chosen.end()) continue;
     json now = test::example_contents(registry, *type, 2);
     const auto it = before.find(type->name);
     bool same_version = false;

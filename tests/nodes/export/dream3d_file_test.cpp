@@ -1,5 +1,5 @@
 // DREAM3D files: what reads back through LoadVolume, what is refused, and damaged ones.
-#include "nodes/export/formats/dream3d_file.h"
+#include "nodes/export/formats/solvers/dream3d_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Meshes of voxels for Abaqus and CalculiX.
-#include "nodes/export/formats/inp_file.h"
+#include "nodes/export/formats/solvers/inp_file.h"
 
 #include <gtest/gtest.h>
 

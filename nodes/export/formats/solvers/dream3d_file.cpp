@@ -1,13 +1,17 @@
-#include "nodes/export/formats/dream3d_file.h"
+#include "nodes/export/formats/solvers/dream3d_file.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
 #include "graph/diagnostic.h"
-#include "nodes/export/formats/hdf5_output.h"
+#include "nodes/export/formats/solvers/euler_angles.h"
+#include "nodes/export/formats/solvers/hdf5_output.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -20,7 +24,7 @@ const std::string kEnsembles = kContainer + "/CellEnsembleData";
 
 // AttributeMatrix::Type of DREAM3D
 constexpr std::uint32_t kCellMatrix = 3, kFeatureMatrix = 7, kEnsembleMatrix = 11;
-constexpr std::uint32_t kUnknownCrystal = 999, kPrimaryPhase = 0, kUnknownPhase = 999;
+constexpr std::uint32_t kPrimaryPhase = 0, kUnknownPhase = 999;
 
 // Size of an attribute matrix: tuples along each axis, x first.
 using Tuples = std::vector<std::uint64_t>;
@@ -142,16 +146,6 @@ void add_cells(Hdf5Output& file, const Dream3dContent& content, const Work& work
   for (const VoxelSource& grid : content.grids) add(grid.name(), grid, [](std::int32_t*, std::size_t) {});
 }
 
-// Bunge's Euler angles in radians of the rotation from the box to the particle's frame.
-std::array<double, 3> euler_angles(const Quat& orientation) {
-  const Mat3 r = orientation.normalized().toRotationMatrix();  // = Rz(φ1)·Rx(Φ)·Rz(φ2)
-  const auto positive = [](double angle) { return angle < 0 ? angle + 2 * std::numbers::pi : angle; };
-  const double cosine = std::clamp(r(2, 2), -1.0, 1.0);
-  if (std::hypot(r(2, 0), r(2, 1)) < 1e-9)
-    return {positive(std::atan2(r(1, 0), r(0, 0))), cosine > 0 ? 0 : std::numbers::pi, 0};
-  return {positive(std::atan2(r(0, 2), -r(1, 2))), std::acos(cosine), positive(std::atan2(r(2, 0), r(2, 1)))};
-}
-
 void add_features(Hdf5Output& file, const Dream3dContent& content) {
   const auto& all = content.regions->all;
   add_matrix(file, kFeatures, kFeatureMatrix, {all.size()});
@@ -195,22 +189,28 @@ void add_features(Hdf5Output& file, const Dream3dContent& content) {
   add_column(file, kFeatures + "/Color", Hdf5Type::Float, 3, colors);
 }
 
-void add_ensembles(Hdf5Output& file, const Regions& regions) {
-  std::int32_t last = 0;
-  for (const Region& r : regions.all) last = std::max(last, r.phase);
-  std::vector<std::string> names(last + 1);
-  for (std::size_t k = 0; k < names.size(); ++k)
-    names[k] =
-        k == 0 ? "BINDER" : Region{.is = Region::Is::Phase, .cls = static_cast<std::int32_t>(k) - 1}.name();
-  for (const Region& r : regions.all)
-    if (r.is == Region::Is::Void) names[r.phase] = "VOIDS";
-  std::vector<std::uint32_t> crystals(names.size(), kUnknownCrystal), types(names.size(), kPrimaryPhase);
+void add_ensembles(Hdf5Output& file, const Regions& regions, const SolverMaterials* materials) {
+  std::map<std::int32_t, std::string> keys = {{0, "BINDER"}};  // by phase
+  for (const Region& r : regions.all) keys[r.phase] = phase_key(r);
+  const std::size_t count = keys.rbegin()->first + 1;
+  std::vector<std::string> names(count);
+  std::vector<std::uint32_t> crystals(count, dream3d_crystal("")), types(count, kPrimaryPhase);
   types[0] = kUnknownPhase;
-  add_matrix(file, kEnsembles, kEnsembleMatrix, {names.size()});
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto it = keys.find(k);
+    names[k] = it == keys.end() ? fmt::format("PHASE_{}", k - 1) : it->second;
+  }
+  for (const Region& r : regions.all)
+    if (materials && r.voxels > 0) {
+      const SolverMaterial& m = materials->of(r);
+      names[r.phase] = m.name;
+      crystals[r.phase] = dream3d_crystal(m.lattice);
+    }
+  add_matrix(file, kEnsembles, kEnsembleMatrix, {count});
   add_column(file, kEnsembles + "/CrystalStructures", Hdf5Type::UInt32, 1, crystals);
   add_column(file, kEnsembles + "/PhaseTypes", Hdf5Type::UInt32, 1, types);
   file.texts(kEnsembles + "/PhaseName", names);
-  describe_array(file, kEnsembles + "/PhaseName", {names.size()}, 1, "StringDataArray");
+  describe_array(file, kEnsembles + "/PhaseName", {count}, 1, "StringDataArray");
 }
 
 }  // namespace
@@ -226,7 +226,7 @@ void write_dream3d(const std::filesystem::path& path, const Dream3dContent& cont
   add_cells(file, content, work);
   if (content.regions) {
     add_features(file, content);
-    add_ensembles(file, *content.regions);
+    add_ensembles(file, *content.regions, content.materials);
   }
   if (!content.provenance.empty()) file.text("/Terrazzo/Provenance", content.provenance);
   file.finish();

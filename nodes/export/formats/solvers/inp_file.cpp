@@ -1,4 +1,4 @@
-#include "nodes/export/formats/inp_file.h"
+#include "nodes/export/formats/solvers/inp_file.h"
 
 #include <fmt/format.h>
 

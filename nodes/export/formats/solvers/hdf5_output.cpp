@@ -1,4 +1,4 @@
-#include "nodes/export/formats/hdf5_output.h"
+#include "nodes/export/formats/solvers/hdf5_output.h"
 
 #include <fcntl.h>
 #include <hdf5.h>

@@ -8,6 +8,7 @@
 
 #include "nodes/common/geometry/grid/voxel_source.h"
 #include "nodes/data/particles.h"
+#include "nodes/export/formats/solvers/materials.h"
 #include "nodes/export/regions.h"
 #include "runtime/work.h"
 
@@ -19,15 +20,16 @@ struct Dream3dContent {
   const VoxelSource* id =
       nullptr;  // with `regions`, adds FeatureIds and Phases, and data of features and phases
   const Regions* regions = nullptr;
-  const Particles* particles = nullptr;  // adds orientations, sizes and colors of features
-  std::string provenance;                // JSON for /Terrazzo/Provenance, or empty
-  bool compress = true;                  // cell data, by zlib
+  const Particles* particles = nullptr;        // adds orientations, sizes and colors of features
+  std::string provenance;                      // JSON for /Terrazzo/Provenance, or empty
+  bool compress = true;                        // cell data, by zlib
+  const SolverMaterials* materials = nullptr;  // adds names and crystal structures of phases
 };
 
 // Feature and phase 0 are the binder, which DREAM3D leaves out of statistics. The group of the geometry has
 // the attribute Period (three int64, voxels) if the volume tiles. Throws Error "bad-names" if a grid has the
 // name of other cell data, no name, or a slash or control character in it, "too-large" (a length that floats
-// cannot hold), "write-failed".
+// cannot hold), "no-material" (`materials` lack a phase), "write-failed".
 void write_dream3d(const std::filesystem::path&, const Dream3dContent&, const Work& = {});
 
 }  // namespace terrazzo::exporting
