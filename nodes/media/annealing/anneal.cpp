@@ -34,7 +34,7 @@ Solid descend(Descent& descent, const std::vector<int>& strides, Slab slab, int 
     part.progress(0, note(slab.size));
     std::vector<std::int64_t> count;
     if (stride == 1) count = descent.counts(static_cast<std::int64_t>(voxels_in(slab.size)));
-    out.levels.push_back(descent.anneal(slab, stride, {0, slab.size.z()}, seed, count, part));
+    out.levels.push_back(descent.anneal(slab, stride, Ends::Tile, seed, count, part));
   }
   out.phase = std::move(slab.phase);
   return out;

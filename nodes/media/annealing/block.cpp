@@ -8,8 +8,7 @@
 namespace terrazzo::annealing {
 namespace {
 
-// A seam is made in a slab that tiles, with that many more layers on both sides, so that its ends do not
-// matter.
+// A seam is made with that many more layers on both sides, whose ends match less.
 constexpr int kApron = 8;
 static_assert(Block::kSeam >= Level::kFrozen);
 static_assert(Block::kSeam >= kApron + 4);  // a seam starts from half as many coarser layers, rounded
@@ -56,7 +55,7 @@ AnnealedLevel Block::refine(int stride, const Work& work) {
   copy_layers(below_, inner, inner.first, Level::kFrozen);
   copy_layers(above_, inner, above_.first, Level::kFrozen);
   const AnnealedLevel out =
-      descent_.anneal(inner, stride, {Level::kFrozen, free.count}, stream(blocks_ + block_),
+      descent_.anneal(inner, stride, Ends::Frozen, stream(blocks_ + block_),
                       stride == 1 ? missing_counts() : std::vector<std::int64_t>(), work.part(2 * share, 1));
   slab_ = empty_slab(inner.size, {below_.first, free.count + 4 * kSeam});
   copy_layers(below_, slab_, below_.first, 2 * kSeam);
@@ -75,7 +74,7 @@ Slab Block::seam(const Slab& coarse, int stride, int k, const Work& work) {
   if (turn > 0 && coarse.first > 0) start.first -= descent_.size_at(stride_).z();
   const int cut = layers_of(blocks_, k % blocks_, layers).first;
   Slab wide = descent_.enlarge(start, stride_, stride, {cut - kWide / 2, kWide});
-  descent_.anneal(wide, stride, {0, kWide}, stream(k % blocks_), {}, work);
+  descent_.anneal(wide, stride, Ends::Open, stream(k % blocks_), {}, work);
   Slab out = part_of(wide, {cut - kSeam, 2 * kSeam});
   out.first += turn;
   return out;

@@ -145,12 +145,11 @@ const std::vector<Frequencies>& Descent::frequencies(int picture, int spacing) {
   return known;
 }
 
-AnnealedLevel Descent::anneal(Slab& slab, int stride, const Layers& free, std::uint64_t seed,
+AnnealedLevel Descent::anneal(Slab& slab, int stride, Ends ends, std::uint64_t seed,
                               const std::vector<std::int64_t>& count, const Work& work) {
   Level level(std::move(slab.phase), slab.size, pictures_[0].phases, targets(stride, slab.size),
-              kFewPlaces / pixels_, free, work);
-  const std::size_t voxels = voxels_in({slab.size.x(), slab.size.y(), free.count});
-  AnnealedLevel out = heat_and_cool(level, stride, voxels, seed, work);
+              kFewPlaces / pixels_, ends, work);
+  AnnealedLevel out = heat_and_cool(level, stride, voxels_in(slab.size), seed, work);
   if (!count.empty()) {
     level.settle(count, work.quiet());
     out.end = level.mismatch();

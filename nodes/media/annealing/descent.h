@@ -33,10 +33,10 @@ class Descent {
   // The start of layers of a level, from a coarser one or a slab of it.
   Slab enlarge(const Slab& coarse, int coarse_stride, int stride, const Layers&) const;
 
-  // Anneals the slab's free layers, with random numbers of `seed`; at the finest level they also get as many
+  // Anneals the slab, with random numbers of `seed`; at the finest level they also get as many
   // voxels of each phase as `count` says, if it is not empty.
-  AnnealedLevel anneal(Slab&, int stride, const Layers& free, std::uint64_t seed,
-                       const std::vector<std::int64_t>& count, const Work&);
+  AnnealedLevel anneal(Slab&, int stride, Ends, std::uint64_t seed, const std::vector<std::int64_t>& count,
+                       const Work&);
 
   // The pictures' fractions as whole numbers of voxels.
   std::vector<std::int64_t> counts(std::int64_t voxels) const;

@@ -53,10 +53,11 @@ void Level::PatternCounts::change(int pattern, std::int64_t by) {
 }
 
 Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
-             const std::vector<PatternTarget>& targets, double floor, const Layers& free, const Work& work)
+             const std::vector<PatternTarget>& targets, double floor, Ends ends, const Work& work)
     : field_(std::move(field)),
       size_(size),
-      free_(free),
+      ends_(ends),
+      free_(ends == Ends::Frozen ? Layers{kFrozen, size.z() - 2 * kFrozen} : Layers{0, size.z()}),
       step_{1, static_cast<std::uint32_t>(size.x()), static_cast<std::uint32_t>(size.x()) * size.y()},
       phases_(phases),
       counted_(phases == 2 ? 1 : phases),
@@ -70,7 +71,7 @@ Level::Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases,
 }
 
 Level::Group Level::group_of(int axis, int spacing) const {
-  Group out{axis, spacing, axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, 1, {}};
+  Group out{axis, spacing, axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, 1, {}, {}, {}};
   // Lines are numbered along x or y, and then along z.
   const std::uint32_t across = size_[axis == 0 ? 0 : 1];
   out.slice = axis == 2 ? across : 1;
@@ -80,17 +81,22 @@ Level::Group Level::group_of(int axis, int spacing) const {
       const int at = (i + k * spacing) % n;
       out.lines.push_back((at < 0 ? at + n : at) * (axis == 2 ? 1 : across));
     }
+  out.counted = free_;
+  const int reach = axis == 2 ? 0 : 2 * spacing;
+  if (ends_ == Ends::Frozen) out.counted = {free_.first - reach, free_.count + reach};
+  if (ends_ == Ends::Open) out.counted.count -= reach;
+  out.rows.assign(size_.z(), 7);
+  if (ends_ == Ends::Open && axis != 2)
+    for (int z = 0; z < size_.z(); ++z)
+      for (int j = 0; j < 3; ++j)
+        if (const int first = z + (j - 2) * spacing; first < 0 || first >= out.counted.count)
+          out.rows[z] &= ~(1 << j);
   return out;
-}
-
-Layers Level::counted_layers(const Group& group) const {
-  if (free_.count == size_.z() || group.axis == 2) return free_;
-  return {free_.first - 2 * group.spacing, free_.count + 2 * group.spacing};
 }
 
 Level::PatternCounts Level::table_of(const Group& group, const Frequencies& frequencies, double floor) const {
   PatternCounts out;
-  out.places = static_cast<double>(counted_layers(group).count) * step_[2];
+  out.places = static_cast<double>(group.counted.count) * step_[2];
   for (int k = 0; k < kPatterns; ++k) {
     const double expected = frequencies[k] * out.places;
     out.excess[k] = -std::llround(expected);
@@ -139,13 +145,16 @@ double Level::cost_of(const Vec3i& at, int phase) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Step* step = tables_[g * counted_ + (phase - first_)].step.data();
     const Columns columns = around(groups_[g], bits_[phase - first_], at);
+    const unsigned rows = groups_[g].rows[at.z()];
     float remove = 0, add = 0;
-    for (int j = 0; j < 3; ++j)
+    for (int j = 0; j < 3; ++j) {
+      if (!(rows >> j & 1)) continue;
       for (int i = 0; i < 3; ++i) {
         const std::uint32_t pattern = columns[j] >> (3 * i) & (kPatterns - 1);
         remove += step[pattern].remove;
         add += step[pattern ^ kMiddle[j][i]].add;
       }
+    }
     sum += remove + add;
   }
   return sum;
@@ -160,12 +169,15 @@ void Level::change(const Vec3i& at, int phase, bool in) {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     PatternCounts& table = tables_[g * counted_ + (phase - first_)];
     const Columns columns = around(groups_[g], bits, at);
-    for (int j = 0; j < 3; ++j)
+    const unsigned rows = groups_[g].rows[at.z()];
+    for (int j = 0; j < 3; ++j) {
+      if (!(rows >> j & 1)) continue;
       for (int i = 0; i < 3; ++i) {
         const std::uint32_t pattern = columns[j] >> (3 * i) & (kPatterns - 1);
         table.change(pattern, -1);
         table.change(pattern ^ kMiddle[j][i], 1);
       }
+    }
   }
   set(bits, at, in);
 }
@@ -180,7 +192,7 @@ void Level::apply(std::uint32_t voxel, int to) {
 void Level::count_all(const Work& work) {
   using Counts = std::array<std::int64_t, kPatterns>;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const Layers layers = counted_layers(groups_[g]);
+    const Layers& layers = groups_[g].counted;
     const std::size_t first = static_cast<std::size_t>(layers.first) * step_[2];
     for (int p = 0; p < counted_; ++p) {
       const Counts counts = work.quiet().reduce(

@@ -19,16 +19,21 @@ struct PatternTarget {
   std::vector<Frequencies> phase;
 };
 
+// What lies beyond the layers at both ends across z.
+enum class Ends {
+  Tile,   // the layers at the other end
+  Open,   // nothing: patterns that would reach beyond do not count
+  Frozen  // nothing: Level::kFrozen layers do not change, and only patterns over the others count
+};
+
 class Level {
  public:
-  static constexpr int kFrozen = PhaseBits::kReach;  // layers beside the free ones that patterns reach
+  static constexpr int kFrozen = PhaseBits::kReach;  // as far as patterns reach
 
   // `floor`: the frequency q₀ that the smallest ones are known to, for their weight 1 / (q + q₀). With two
-  // phases only the second counts, since the first has the same patterns inverted. `free`: the layers that
-  // may change, at least kFrozen from both ends, and only patterns over them count; or all layers of a field
-  // that tiles.
+  // phases only the second counts, since the first has the same patterns inverted.
   Level(std::vector<std::uint8_t> field, const Vec3i& size, int phases, const std::vector<PatternTarget>&,
-        double floor, const Layers& free, const Work&);
+        double floor, Ends, const Work&);
 
   // Visits the voxels that touch another phase across a face, in random order, and lets them take the phase
   // of a neighbor if that costs less than −temperature · ln(random number). Costs are the changes of voxels ·
@@ -36,7 +41,7 @@ class Level {
   // number of threads.
   std::size_t sweep(std::uint64_t seed, double temperature, const Work&);
 
-  // Changes the voxels that cost least until phase p has count[p] of the free voxels.
+  // Changes the voxels that cost least until phase p has count[p] of the voxels that may change.
   void settle(const std::vector<std::int64_t>& count, const Work&);
 
   // Σ over targets, phases and patterns of (p − q)² / (q + q₀).
@@ -62,13 +67,14 @@ class Level {
     int column, row;                   // axes along which columns and rows run
     std::uint32_t slice;               // lines of `Bits` from a slice to the next
     std::vector<std::uint32_t> lines;  // [position along rows][5]: lines that patterns over it reach
+    Layers counted;                    // of the lower left pixels of patterns that count
+    std::vector<std::uint8_t> rows;    // [z]: bit j tells whether patterns with row 2 − j there count
   };
   using Columns = std::array<std::uint32_t, 3>;  // of three rows of pixels, [first row]: bit 3·column + row
   struct Bits {                                  // of a phase, along the rows of the slices
     PhaseBits along_x, along_y;
   };
   Group group_of(int axis, int spacing) const;
-  Layers counted_layers(const Group&) const;  // of the lower left pixels of patterns that count
   PatternCounts table_of(const Group&, const Frequencies&, double floor) const;
   Bits bits_of(int phase, const Work&) const;
   Vec3i place(std::uint32_t voxel) const;
@@ -90,7 +96,8 @@ class Level {
 
   std::vector<std::uint8_t> field_;
   Vec3i size_;
-  Layers free_;
+  Ends ends_;
+  Layers free_;  // that may change
   std::array<std::uint32_t, 3> step_;
   int phases_, counted_, first_;  // phases, those that count, the first of these
   std::vector<Group> groups_;

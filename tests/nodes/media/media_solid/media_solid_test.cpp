@@ -94,13 +94,12 @@ TEST(MediaSolid, CountsFollowTheField) {
     std::vector<std::uint8_t> noise(10 * 12 * 9);
     for (std::size_t i = 0; i < noise.size(); ++i)
       noise[i] = static_cast<std::uint8_t>(Random(3, 1, i).below(phases));
-    const Layers all{0, size.z()};
-    Level level(noise, size, phases, targets, 1e-3, all, {});
+    Level level(noise, size, phases, targets, 1e-3, Ends::Tile, {});
     const double before = level.mismatch();
     for (int s = 0; s < 5; ++s) EXPECT_GT(level.sweep(s, s < 3 ? 2.0 : 0.0, {}), 0u);
     const double after = level.mismatch();
     EXPECT_LT(after, before / 3);
-    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, all, {}).mismatch(), after, 1e-9 * before);
+    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, Ends::Tile, {}).mismatch(), after, 1e-9 * before);
   }
 }
 
