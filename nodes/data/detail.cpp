@@ -53,6 +53,10 @@ void encode(const Detail& v, Writer& w) {
   w.pod(v.ground.width), w.pod(v.ground.height);
   w.raw_array(v.ground.shade);
   w.array(v.tones);
+  w.array(v.noise.gray);
+  w.array(v.noise.chroma);
+  w.array(v.noise.gray_kernel);
+  w.array(v.noise.chroma_kernel);
 }
 
 Detail::Skin decode_skin(Reader& r) {
@@ -70,6 +74,20 @@ Detail::Skin decode_skin(Reader& r) {
       skin.shade.size() != pixels_in(skin.width, skin.height) || !(skin.spread.determinant() > 0))
     throw Error("damaged", "the stored detail has a skin of the wrong size");
   return skin;
+}
+
+Detail::Noise decode_noise(Reader& r) {
+  Detail::Noise noise;
+  noise.gray = r.array<float>();
+  noise.chroma = r.array<float>();
+  noise.gray_kernel = r.array<float>();
+  noise.chroma_kernel = r.array<float>();
+  constexpr int kSide = 2 * Detail::Noise::kReach + 1;
+  for (const auto& [deviation, kernel] :
+       {std::pair(&noise.gray, &noise.gray_kernel), {&noise.chroma, &noise.chroma_kernel}})
+    if (kernel->size() != (deviation->empty() ? 0 : pixels_in(kSide, kSide)))
+      throw Error("damaged", "the stored detail has noise with a kernel of the wrong size");
+  return noise;
 }
 
 Detail decode_detail(Reader& r) {
@@ -133,6 +151,7 @@ Detail decode_detail(Reader& r) {
       v.ground.shade.size() != pixels_in(v.ground.width, v.ground.height))
     throw Error("damaged", "the stored detail has a ground of the wrong size");
   v.tones = r.array<float>();
+  v.noise = decode_noise(r);
   return v;
 }
 
@@ -178,6 +197,7 @@ nlohmann::json describe(const Detail& v) {
           {"skins", v.skins.size()},
           {"ground", {v.ground.width, v.ground.height}},
           {"tones", v.tones},
+          {"noise", {{"gray", v.noise.gray}, {"chroma", v.noise.chroma}}},
           {"phases", std::move(phases)}};
 }
 

@@ -66,6 +66,16 @@ struct Detail {
     Vec3f dark = Vec3f::Zero(), light = Vec3f::Zero();  // offsets
     float dark_contrast = 1, light_contrast = 1;        // factors of the tile
   };
+  // The camera's noise, which belongs to pictures, not to the solid: Gaussian, correlated over a few pixels,
+  // and stronger or weaker by how light a pixel is. White noise filtered with a kernel, times a deviation.
+  struct Noise {
+    static constexpr int kReach = 8;
+    // Deviations of sRGB-encoded values where their mean is (k + ½) / n: of this mean, and of each of two
+    // orthonormal axes of chroma. Empty: no noise.
+    std::vector<float> gray, chroma;
+    // (2·kReach + 1)² values each, row by row, whose squares sum to 1. Empty with an empty deviation.
+    std::vector<float> gray_kernel, chroma_kernel;
+  };
   // The outside of a photographed stone, seen from above, without the light and shade of its form. Rows run
   // downwards; beyond the stone's outline, it continues as its mirror image.
   struct Skin {
@@ -100,6 +110,7 @@ struct Detail {
   // empty: unknown.
   std::vector<float> tones;
   Zones zones;
+  Noise noise;
   double pixel_size = 1;      // mm, of the photograph; edge of the tiles' voxels
   int size = 0;               // edge of the tiles, voxels
   std::vector<Phase> phases;  // the binder, then groups of particles

@@ -74,7 +74,7 @@ void add_detail(Vec3f* pixels, const Canvas& canvas, const PixelGrid& grid, cons
 // Paints one section. Where particles overlap, their colors are averaged.
 void paint(Section& out, int section, std::size_t first, const std::vector<Region>& visible,
            const PixelGrid& grid, const Vec3f& binder, const SectionPlane& plane,
-           const residual::ResidualField* detail, double softness,
+           const residual::ResidualField* detail, const residual::Camera& camera,
            const std::function<void(const Image&)>& flat, const Work& work) {
   const std::size_t pixels = pixels_in(grid.width, grid.height);
   Canvas canvas{std::vector<Vec3f>(pixels, Vec3f::Zero()), std::vector<float>(pixels, 0.0f), {}, {}};
@@ -105,14 +105,16 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
   }
   if (!detail) return;
   if (flat && out.image.sections == 1) flat(out.image);
-  soften(&out.image.pixels[section * pixels], canvas.cover.data(), grid, softness / grid.mm_x);
+  soften(&out.image.pixels[section * pixels], canvas.cover.data(), grid, camera.softness / grid.mm_x);
   add_detail(&out.image.pixels[section * pixels], canvas, grid, plane, *detail, work);
+  residual::add_noise(&out.image.pixels[section * pixels], grid.width, grid.height, grid.mm_x, grid.wrap,
+                      camera, section, work);
 }
 
 }  // namespace
 
 Section cut_section(const Particles& particles, const Shapes& shapes, const SectionLayout& layout,
-                    const Work& work, const residual::ResidualField* detail, double softness,
+                    const Work& work, const residual::ResidualField* detail, const residual::Camera& camera,
                     const std::function<void(const Image&)>& flat) {
   check_particles(particles, shapes);
   const std::vector<Cut> cuts = cut_particles(particles, shapes, layout, work.part(0, 0.5));
@@ -154,8 +156,8 @@ Section cut_section(const Particles& particles, const Shapes& shapes, const Sect
                        layout.height / layout.pixels_y, layout.tile};
   std::vector<double> covered(sections, 0.0);
   work.part(0.5, 1).parallel(sections, 1, [&](std::size_t s, std::size_t) {
-    paint(out, s, first[s], visible[s], grid, particles.binder_color, layout.planes[s], detail, softness,
-          flat, work);
+    paint(out, s, first[s], visible[s], grid, particles.binder_color, layout.planes[s], detail, camera, flat,
+          work);
     covered[s] =
         union_area(layout.tile ? with_images(visible[s], layout) : visible[s], layout.width, layout.height);
   });

@@ -10,6 +10,7 @@
 #include "nodes/data/profiles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
+#include "nodes/detail/residual/camera_noise.h"
 #include "nodes/detail/residual/residual_field.h"
 #include "runtime/work.h"
 
@@ -26,11 +27,11 @@ struct Section {
 // Cuts the particles of a periodic box. In a tile (axis planes), every profile is whole and has weight 1. In
 // a window, profiles cut by the border have weight 0 and the area and outline of their visible part. Other
 // profiles have the weight window area / (area in which a profile of their width and height is entirely
-// visible), after Miles (1974) and Lantuéjoul (1978). `detail` may be null. `softness`: standard deviation of
-// the blur of outlines, mm. `flat` receives the picture of a single section before its detail is added.
-// Throws the errors of check_particles.
+// visible), after Miles (1974) and Lantuéjoul (1978). `detail` may be null; without it, the camera is not
+// used. `flat` receives the picture of a single section before its detail is added. Throws the errors of
+// check_particles.
 Section cut_section(const Particles&, const Shapes&, const SectionLayout&, const Work& = {},
-                    const residual::ResidualField* detail = nullptr, double softness = 0,
+                    const residual::ResidualField* detail = nullptr, const residual::Camera& = {},
                     const std::function<void(const Image&)>& flat = {});
 
 }  // namespace terrazzo::section

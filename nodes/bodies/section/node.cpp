@@ -99,7 +99,7 @@ Section section_of_particles(Context& c) {
                    c.work().part(0, 0.1));
   Section section =
       cut_section(*particles, *shapes, layout, c.work().part(0.1, 1), detail ? &*detail : nullptr,
-                  given ? given->softness * given->pixel_size : 0, [&](const Image& flat) {
+                  given ? residual::camera_of(*given, c.seed()) : residual::Camera{}, [&](const Image& flat) {
                     if (c.watched()) c.preview("image", flat);
                   });
   if (section.overlap > 1e-4)
@@ -149,7 +149,7 @@ namespace terrazzo {
 
 NodeType section_node() {
   using namespace section;
-  return NodeType("Section", 7)
+  return NodeType("Section", 8)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")

@@ -54,10 +54,10 @@ void output_result(Context& c, Result result) {
 void show_planes(Context& c, const section::SectionLayout& layout, View view,
                  const residual::ResidualField* field) {
   const Detail* given = c.optional<Detail>("detail");
-  const double softness = given ? given->softness * given->pixel_size : 0;
+  const residual::Camera camera = given ? residual::camera_of(*given, c.seed()) : residual::Camera{};
   section::Section result =
       section::cut_section(c.input<Particles>("particles"), c.input<Shapes>("shapes"), layout,
-                           c.work().part(0.1, 1), field, softness, [&](const Image& flat) {
+                           c.work().part(0.1, 1), field, camera, [&](const Image& flat) {
                              if (c.watched()) c.preview("image", flat);
                            });
   if (result.overlap > 1e-4)
@@ -201,7 +201,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 4);
+  NodeType type("View", 5);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

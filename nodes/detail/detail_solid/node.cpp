@@ -14,6 +14,7 @@
 #include "nodes/detail/detail_solid/contrast.h"
 #include "nodes/detail/detail_solid/ground.h"
 #include "nodes/detail/detail_solid/light.h"
+#include "nodes/detail/detail_solid/noise.h"
 #include "nodes/detail/detail_solid/rim.h"
 #include "nodes/detail/detail_solid/skins.h"
 #include "nodes/detail/detail_solid/softness.h"
@@ -36,6 +37,7 @@ void make_tiles(Context& c, const Phases& phases, const std::vector<Vec3f>& broa
     auto values = phase_tile(exemplars.back(), detail.size, seed, part.part(0.05, 0.9));
     match_phase(values, phases, phases.offset, p, work.quiet());
     match_spectrum(values, detail.size, phases, p, work.quiet());
+    match_phase(values, phases, phases.offset, p, work.quiet());
     detail.phases[p].broad =
         broad_field(fit_broad(broad, phases, labels, p, seed), detail.size, seed, part.part(0.9, 1));
     detail.phases[p].tile = std::move(values);
@@ -76,31 +78,48 @@ void keep_surface(const Context& c, const Image& image, const Labels& labels, co
   detail.tones = find_tones(image, mask, profiles);
 }
 
+// Takes the camera's noise from a copy of the photograph and returns it. Nothing of surfaces, whose skins and
+// soil are shown as they were photographed.
+Image without_noise(Context& c, const Image& image, const Labels& labels, const Labels* mask,
+                    const Profiles* profiles, Detail& detail) {
+  Image clean = image;
+  if (c.boolean("noise") && !(profiles && profiles->view == View::Surface))
+    detail.noise = split_noise(clean, labels, mask, detail.softness, detail.gray, c.work().part(0, 0.02));
+  double sum = 0;
+  for (const float d : detail.noise.gray) sum += d / detail.noise.gray.size();
+  c.metric("noise", sum);
+  return clean;
+}
+
 void compute(Context& c) {
-  const auto& image = c.input<Image>("image");
+  const auto& photograph = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
-  check_photograph(image, labels);
+  check_photograph(photograph, labels);
+  const Profiles* profiles = c.optional<Profiles>("profiles");
   const Labels* mask = c.optional<Labels>("mask");
   if (mask)
-    require_equal_size(*mask, "the mask has", image, "the image has", "use the mask of the same photograph");
+    require_equal_size(*mask, "the mask has", photograph, "the image has",
+                       "use the mask of the same photograph");
+  Detail detail;
+  detail.pixel_size = photograph.pixel_size;
+  detail.size = c.integer("size");
+  detail.gray = std::all_of(photograph.pixels.begin(), photograph.pixels.end(),
+                            [](const Vec3f& v) { return v.maxCoeff() - v.minCoeff() < 1e-6f; });
+  detail.softness = outline_softness(photograph, labels);
+  c.metric("softness", detail.softness);
+  const Image image = without_noise(c, photograph, labels, mask, profiles, detail);
   PhaseOptions choice;
-  const double softness = outline_softness(image, labels);
   choice.edge = c.integer("edge");
-  choice.softness = softness;
+  choice.softness = detail.softness;
+  if (profiles && profiles->view == View::Section && profiles->binder_color.allFinite())
+    choice.binder = profiles->binder_color;
   choice.specks = c.number("specks");
   choice.groups = c.integer("groups");
   choice.mask = mask;
   choice.seed = c.seed();
-  Phases phases = find_phases(image, labels, choice, c.work().part(0, 0.03));
+  Phases phases = find_phases(image, labels, choice, c.work().part(0.02, 0.03));
   c.metric("groups", phases.group_color.size());
   c.metric("outliers", phases.outliers);
-  Detail detail;
-  detail.pixel_size = image.pixel_size;
-  detail.size = c.integer("size");
-  detail.gray = std::all_of(image.pixels.begin(), image.pixels.end(),
-                            [](const Vec3f& v) { return v.maxCoeff() - v.minCoeff() < 1e-6f; });
-  detail.softness = softness;
-  c.metric("softness", detail.softness);
   detail.phases.resize(phases.pixels.size());
   split_zones(phases, labels, detail, choice.seed);
   c.metric("zones", detail.zones.level.empty() ? 1 : 2);
@@ -116,8 +135,7 @@ void compute(Context& c) {
   split_contrasts(phases, image, labels, detail, c.work());
   keep_deep_pixels(phases, labels);
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
-  if (const Profiles* profiles = c.optional<Profiles>("profiles"))
-    keep_surface(c, image, labels, *profiles, detail);
+  if (profiles) keep_surface(c, image, labels, *profiles, detail);
   c.metric("skins", detail.skins.size());
   const bool apply = c.has("volume");
   std::vector<PartialPicture> exemplars;
@@ -137,7 +155,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 11)
+  return NodeType("DetailSolid", 12)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -180,6 +198,10 @@ NodeType detail_solid_node() {
       .parameter(Parameter::boolean("light", true)
                      .doc_("Measure how the photograph's light falls on profiles and beside them, such as "
                            "lighter upper sides and shadows below. Section adds it to pictures; volumes and "
+                           "rendered solids do not contain it."))
+      .parameter(Parameter::boolean("noise", true)
+                     .doc_("Measure the camera's noise, which is alike in all places, apart from the grain "
+                           "of the material. Pictures of Section, View and Repaint show it; volumes and "
                            "rendered solids do not contain it."))
       .parameter(Parameter::seed())
       .compute_(compute);

@@ -133,6 +133,12 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseOptions&
     if (out.phase[i] == 0) binder[i / plane].add(image.pixels[i]);
     if (out.phase[i] > 0) ++used[static_cast<std::size_t>(labels.ids[i]) - 1];
   }
+  Vec3f moved = Vec3f::Zero();
+  if (choice.binder) {
+    Mean all;
+    for (const Mean& m : binder) all.sum += m.sum, all.count += m.count;
+    if (all.count > 0) moved = *choice.binder - all.value();
+  }
   std::vector<Vec3f>& color = out.profile_color;
   std::vector<double> area(used.begin(), used.end());
   ColorMedians medians(std::move(used));
@@ -150,7 +156,7 @@ Phases find_phases(const Image& image, const Labels& labels, const PhaseOptions&
   for (const Vec3f& c : color) scale.push_back(Detail::particle_scale(linear_to_srgb(c)));
   for (std::size_t i = 0; i < pixels; ++i) {
     if (i % plane == 0) {
-      draw_flat(&labels.ids[i], area, color, binder[i / plane].value(), flat);
+      draw_flat(&labels.ids[i], area, color, binder[i / plane].value() + moved, flat);
       if (choice.softness > 0.2) {
         cv::Mat picture(out.height, out.width, CV_32FC3, flat.data());
         cv::GaussianBlur(picture, picture, {0, 0}, choice.softness);

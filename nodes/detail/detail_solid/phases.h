@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "nodes/data/image.h"
@@ -33,6 +34,8 @@ struct PhaseOptions {
                         // none
   int groups = 3;       // most groups of particles
   double softness = 0;  // standard deviation of the blur of outlines, pixels
+  // Of the solid's binder, scene-linear; none: the mean of its pixels that are used.
+  std::optional<Vec3f> binder;
   const Labels* mask = nullptr;  // not 0: pixels that are not used; none: all are
   std::uint64_t seed = 1;
 };
@@ -52,9 +55,9 @@ struct Mean {
 void check_photograph(const Image&, const Labels&);
 
 // The flat color of a pixel is the median of its profile's used pixels, or the mean of the section's binder,
-// blurred as the photograph blurs outlines. Profiles are grouped by color (k-means in Oklab, weighted by
-// area); there are fewer groups if one would have too few pixels for a texture. The photograph must have
-// passed check_photograph.
+// moved so that the mean of all sections is the solid's binder, blurred as the photograph blurs outlines.
+// Profiles are grouped by color (k-means in Oklab, weighted by area); there are fewer groups if one would
+// have too few pixels for a texture. The photograph must have passed check_photograph.
 Phases find_phases(const Image&, const Labels&, const PhaseOptions&, const Work& = {});
 
 // Of all sections, one after the other, in the order of the pixels of the phases.

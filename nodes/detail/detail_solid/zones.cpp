@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
 #include "nodes/detail/detail_solid/broad.h"
 #include "nodes/detail/residual/outline_depth.h"
@@ -23,13 +24,18 @@ constexpr int kBetween = 2;          // pixels on each side of an edge between z
 constexpr double kLeastWidth = 4;    // pixels over which the covariance falls to one half
 // Least deviation of the field, relative to that width: finer structure would fray all edges.
 constexpr double kSmooth = 0.25;
-constexpr std::size_t kEnoughLeft = 4000;                                      // used pixels of the binder
-constexpr int kLevels = 64;                                                    // pixels from the outline
-constexpr double kLeastInBin = 400;                                            // pixels
-constexpr std::array kApart = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};  // pixels
+constexpr float kLeastContrast = 0.03f, kFlat = 0.3f;  // deviations relative to the other zone's
+constexpr std::size_t kEnoughLeft = 4000;              // used pixels of the binder
+constexpr int kLevels = 64;                            // pixels from the outline
+constexpr double kLeastInBin = 400;                    // pixels
+constexpr std::array kApart = {1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96};                // pixels
 constexpr std::array kWidths = {2.0f, 3.0f, 4.5f, 7.0f, 10.0f, 15.0f, 22.0f, 33.0f, 50.0f};  // pixels
 constexpr int kPairsEach = 4000;  // of pixels, at each distance
 constexpr int kSteps = 40;        // of the correlation
+
+float median_or(std::vector<float> values, float none) {
+  return values.empty() ? none : median(std::move(values));
+}
 
 double share_below(double level) { return 0.5 * std::erfc(-level / std::numbers::sqrt2); }
 
@@ -219,12 +225,21 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
     const auto one = near_edges(p, s * p.plane());
     between.insert(between.end(), one.begin(), one.end());
   }
-  Mean mean[2];
   std::size_t left = p.pixels[0];
-  for (std::size_t i = 0; i < p.zone.size(); ++i)
-    if (p.zone[i] > 0) between[i] ? static_cast<void>(--left) : mean[p.zone[i] - 1].add(p.offset[i]);
-  zones.dark = mean[0].value();
-  zones.light = mean[1].value();
+  std::array<std::vector<float>, 2> of_zone[3];  // of each channel, by zone
+  for (std::size_t i = 0; i < p.zone.size(); ++i) {
+    if (p.zone[i] == 0) continue;
+    if (between[i]) {
+      --left;
+      continue;
+    }
+    for (int c = 0; c < 3; ++c) of_zone[c][p.zone[i] - 1].push_back(p.offset[i][c]);
+  }
+  // Medians: what blurs into a zone of air from outlines must not make it gray.
+  for (int c = 0; c < 3; ++c) {
+    zones.dark[c] = median_or(std::move(of_zone[c][0]), 0);
+    zones.light[c] = median_or(std::move(of_zone[c][1]), 0);
+  }
   for (std::size_t i = 0; i < p.zone.size(); ++i) {
     if (p.zone[i] == 0) continue;
     p.offset[i] -= p.zone[i] == 1 ? zones.dark : zones.light;
@@ -240,20 +255,27 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
 
 void split_zone_contrasts(Phases& p, Detail& detail) {
   if (p.zone.empty()) return;
-  double sum[2] = {0, 0}, count[2] = {0, 0};
+  std::vector<float> size[2];
   const auto each = [&](auto&& use) {
     for (std::size_t i = 0; i < p.zone.size(); ++i)
       if (p.phase[i] == 0 && p.zone[i] > 0) use(i, static_cast<std::size_t>(p.zone[i] - 1));
   };
-  each([&](std::size_t i, std::size_t z) {
-    sum[z] += p.offset[i].squaredNorm();
-    ++count[z];
-  });
-  const double all = (sum[0] + sum[1]) / std::max(1.0, count[0] + count[1]);
-  if (!(all > 0)) return;
+  each([&](std::size_t i, std::size_t z) { size[z].push_back(p.offset[i].norm()); });
+  const float deviation[2] = {median_or(size[0], 0), median_or(size[1], 0)};
+  const float most = std::max(deviation[0], deviation[1]);
+  if (!(most > 0)) return;
   float contrast[2];
-  for (int z = 0; z < 2; ++z)
-    contrast[z] = std::clamp(std::sqrt(sum[z] / std::max(1.0, count[z]) / all), 0.05, 3.0);
+  for (int z = 0; z < 2; ++z) {
+    contrast[z] = std::max(deviation[z] / most, kLeastContrast);
+    // Enlarged, what little a flat zone has would dominate the tile.
+    if (deviation[z] >= kFlat * most || size[1 - z].size() < kEnoughLeft) continue;
+    each([&](std::size_t i, std::size_t zone) {
+      if (zone != static_cast<std::size_t>(z)) return;
+      p.phase[i] = -1;
+      p.offset[i].setZero();
+      --p.pixels[0];
+    });
+  }
   each([&](std::size_t i, std::size_t z) { p.offset[i] /= contrast[z]; });
   detail.zones.dark_contrast = contrast[0];
   detail.zones.light_contrast = contrast[1];

@@ -19,7 +19,8 @@ namespace terrazzo::detail_solid {
 // fitted to how often two pixels are both dark, by distance (Quiblier 1984).
 void split_zones(Phases&, const Labels&, Detail&, std::uint64_t seed);
 
-// Divides the offsets by their deviation in each zone relative to the whole binder's, and stores these.
+// Divides the offsets by their median deviation in each zone relative to the stronger one, and stores these.
+// Pixels of a zone with less than 0.3 of the other's, such as air, are not used any more.
 void split_zone_contrasts(Phases&, Detail&);
 
 }  // namespace terrazzo::detail_solid

@@ -11,6 +11,7 @@
 #include "nodes/data/equal_size.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/particles.h"
+#include "nodes/detail/residual/camera_noise.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"
@@ -158,6 +159,8 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
         pixels,
         {width, height, pixel, pixel, false, place.at(0, height), turn * Vec3::UnitX(), turn * Vec3::UnitY()},
         {ids, plane}, owner, cover, field, part);
+    residual::add_noise(pixels, width, height, pixel, false, residual::camera_of(*detail, seed),
+                        static_cast<std::uint64_t>(s), part);
   }
   return out;
 }

@@ -1,0 +1,27 @@
+// The camera's noise in a picture.
+#pragma once
+
+#include <cstdint>
+
+#include "nodes/data/detail.h"
+#include "runtime/work.h"
+
+namespace terrazzo::residual {
+
+// What a camera does to a picture of a plane.
+struct Camera {
+  double softness = 0;                   // standard deviation of the blur of outlines, mm
+  const Detail::Noise* noise = nullptr;  // may be null
+  double noise_pixel = 1;                // mm, of the photograph with this noise; larger pixels have less
+  std::uint64_t seed = 1;                // of the noise
+};
+
+// The camera of the photograph that the detail is from.
+Camera camera_of(const Detail&, std::uint64_t seed);
+
+// Adds noise to scene-linear pixels, row by row from the top. `picture`: its number, so that each has noise
+// of its own; `pixel`: mm; `wrap`: opposite edges join.
+void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, const Camera&,
+               std::uint64_t picture, const Work&);
+
+}  // namespace terrazzo::residual

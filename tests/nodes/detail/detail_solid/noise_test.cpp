@@ -1,0 +1,175 @@
+#include "nodes/detail/detail_solid/noise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "nodes/data/particles.h"
+#include "nodes/detail/residual/camera_noise.h"
+#include "nodes/detail/residual/outline_depth.h"
+#include "runtime/random.h"
+#include "tests/nodes/detail/detail_solid/drawn_picture.h"
+
+namespace terrazzo {
+namespace {
+using namespace detail_solid;
+
+constexpr int kEdge = 320;
+
+// White noise that is blurred with [1 2 1] both ways, of deviation 1: neighbors correlate by 2/3.
+std::vector<float> blurred_noise(std::uint64_t seed) {
+  const auto white = [&](int x, int y) {
+    return Random(seed, static_cast<std::uint64_t>(y + 1), static_cast<std::uint64_t>(x + 1)).normal();
+  };
+  std::vector<float> out;
+  for (int y = 0; y < kEdge; ++y)
+    for (int x = 0; x < kEdge; ++x) {
+      double sum = 0;
+      for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) sum += (2 - std::abs(i)) * (2 - std::abs(j)) * white(x + i, y + j);
+      out.push_back(static_cast<float>(sum / 6));  // the weights' squares sum to 36
+    }
+  return out;
+}
+
+float flat(int id) { return id == 0 ? 0.7f : id % 2 ? 0.3f : 0.45f; }
+
+// Disks with noise of a deviation that may depend on the label.
+template <class Deviation>
+test::DrawnPicture noisy_disks(Deviation&& deviation) {
+  const std::vector<float> noise = blurred_noise(5);
+  return test::draw_disks(kEdge, 80, 30, [&](int x, int y, int id) {
+    return Vec3f(Vec3f::Constant(flat(id) + deviation(id) * noise[static_cast<std::size_t>(y) * kEdge + x]));
+  });
+}
+
+struct Moments {
+  double deviation, beside;  // of lightness, and the correlation of neighbors along x
+};
+
+// About the flat colors.
+Moments moments_of(const Image& image, const Labels& labels, float far = 0) {
+  const auto depth = residual::outline_depth(labels.ids.data(), labels.width, labels.height, false);
+  double square = 0, product = 0, count = 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x + 1 < image.width; ++x) {
+      const int id = labels.ids[labels.index(x, y)];
+      if (id != labels.ids[labels.index(x + 1, y)] || depth[labels.index(x, y)] < far) continue;
+      const double a = linear_to_srgb(image.at(x, y)).mean() - flat(id),
+                   b = linear_to_srgb(image.at(x + 1, y)).mean() - flat(id);
+      square += a * a;
+      product += a * b;
+      ++count;
+    }
+  return {std::sqrt(square / count), product / square};
+}
+
+TEST(CameraNoise, IsTakenOutAndAddedAgain) {
+  const auto drawn = noisy_disks([](int) { return 0.03f; });
+  const Moments before = moments_of(drawn.image, drawn.labels);
+  ASSERT_NEAR(before.deviation, 0.03, 0.001);
+  Image clean = drawn.image;
+  const Detail::Noise noise = split_noise(clean, drawn.labels, nullptr, 0, true);
+  ASSERT_FALSE(noise.gray.empty());
+  EXPECT_TRUE(noise.chroma.empty());
+  // Within two pixels of an outline, some of the step between two flat colors is lost.
+  EXPECT_LT(moments_of(clean, drawn.labels, 2).deviation, 0.3 * before.deviation);
+
+  Image again = drawn.image;
+  for (std::size_t i = 0; i < again.pixels.size(); ++i)
+    again.pixels[i] = srgb_to_linear(Vec3f::Constant(flat(drawn.labels.ids[i])));
+  residual::Camera camera;
+  camera.noise = &noise;
+  camera.noise_pixel = 0.1;
+  residual::add_noise(again.pixels.data(), kEdge, kEdge, 0.1, false, camera, 0, Work());
+  const Moments after = moments_of(again, drawn.labels);
+  EXPECT_NEAR(after.deviation, before.deviation, 0.1 * before.deviation);
+  EXPECT_NEAR(after.beside, before.beside, 0.08);
+}
+
+TEST(CameraNoise, FollowsLightness) {
+  const auto drawn = noisy_disks([](int id) { return id == 0 ? 0.04f : 0.01f; });
+  Image clean = drawn.image;
+  const Detail::Noise noise = split_noise(clean, drawn.labels, nullptr, 0, true);
+  ASSERT_FALSE(noise.gray.empty());
+  const auto at = [&](float light) {
+    return Detail::at_distance(noise.gray, light * static_cast<float>(noise.gray.size()));
+  };
+  EXPECT_NEAR(at(0.7f), 0.04f, 0.006f);
+  EXPECT_NEAR(at(0.3f), 0.01f, 0.002f);
+}
+
+// Grain of the same lightness that is stronger in some disks than in others is the material's.
+TEST(CameraNoise, GrainThatDiffersFromPlaceToPlaceStays) {
+  const std::vector<float> noise = blurred_noise(6);
+  const auto drawn = test::draw_disks(kEdge, 40, 17, [&](int x, int y, int id) {
+    const float deviation = id == 0 ? 0 : 0.005f * static_cast<float>(1 + id % 8);
+    return Vec3f(Vec3f::Constant(0.4f + deviation * noise[static_cast<std::size_t>(y) * kEdge + x]));
+  });
+  Image image = drawn.image;
+  EXPECT_TRUE(split_noise(image, drawn.labels, nullptr, 0, true).gray.empty());
+  EXPECT_TRUE(image.pixels == drawn.image.pixels);
+}
+
+TEST(CameraNoise, ChromaIsMeasuredApart) {
+  const std::vector<float> gray = blurred_noise(7), red = blurred_noise(8);
+  const auto drawn = test::draw_disks(kEdge, 80, 30, [&](int x, int y, int id) {
+    const std::size_t at = static_cast<std::size_t>(y) * kEdge + x;
+    return Vec3f(Vec3f::Constant(flat(id) + 0.02f * gray[at]) + 0.01f * red[at] * Vec3f(1, 0, -1));
+  });
+  Image clean = drawn.image;
+  const Detail::Noise noise = split_noise(clean, drawn.labels, nullptr, 0, false);
+  ASSERT_FALSE(noise.chroma.empty());
+  Image again(kEdge, kEdge, 1, 0.1, srgb_to_linear(Vec3f::Constant(0.7f)));
+  residual::Camera camera;
+  camera.noise = &noise;
+  camera.noise_pixel = 0.1;
+  residual::add_noise(again.pixels.data(), kEdge, kEdge, 0.1, false, camera, 0, Work());
+  double mean = 0, chroma = 0;
+  for (const Vec3f& v : again.pixels) {
+    const Vec3f offset = linear_to_srgb(v).array() - 0.7f;
+    mean += offset.mean() * offset.mean() / again.pixels.size();
+    chroma += (offset.array() - offset.mean()).matrix().squaredNorm() / again.pixels.size();
+  }
+  EXPECT_NEAR(std::sqrt(mean), 0.02, 0.003);
+  // The deviation of two axes is measured together; only one has noise here, of 0.01·√2.
+  EXPECT_GT(std::sqrt(chroma), 0.005);
+  EXPECT_LT(std::sqrt(chroma), 0.02);
+}
+
+TEST(CameraNoise, TilesAndDiffersBetweenPictures) {
+  Detail::Noise noise;
+  noise.gray.assign(4, 0.02f);
+  constexpr int kSide = 2 * Detail::Noise::kReach + 1;
+  noise.gray_kernel.assign(static_cast<std::size_t>(kSide) * kSide, 1.0f / kSide);  // very broad
+  residual::Camera camera;
+  camera.noise = &noise;
+  const auto picture = [&](bool wrap, std::uint64_t number, double pixel) {
+    Image out(70, 50, 1, 1, Vec3f::Constant(0.2f));
+    residual::add_noise(out.pixels.data(), 70, 50, pixel, wrap, camera, number, Work());
+    return out;
+  };
+  // Neighbors across the edge differ as little as others.
+  const auto step = [](const Image& p, int a, int b) {
+    double sum = 0;
+    for (int y = 0; y < p.height; ++y) sum += std::abs(p.at(a, y).x() - p.at(b, y).x());
+    return sum;
+  };
+  const Image tile = picture(true, 0, 1), open = picture(false, 0, 1);
+  EXPECT_LT(step(tile, 69, 0), 2.5 * step(tile, 34, 35));
+  EXPECT_GT(step(open, 69, 0), 2.5 * step(open, 34, 35));
+  EXPECT_TRUE(picture(true, 0, 1).pixels == tile.pixels);
+  EXPECT_FALSE(picture(true, 1, 1).pixels == tile.pixels);
+  // Larger pixels have less noise.
+  const auto deviation = [](const Image& p) {
+    double square = 0, mean = 0;
+    for (const Vec3f& v : p.pixels) mean += v.x() / p.pixels.size();
+    for (const Vec3f& v : p.pixels) square += (v.x() - mean) * (v.x() - mean);
+    return std::sqrt(square);
+  };
+  EXPECT_NEAR(deviation(picture(false, 0, 4)) / deviation(open), 0.25, 0.02);
+}
+
+}  // namespace
+}  // namespace terrazzo
