@@ -23,6 +23,9 @@ constexpr std::size_t kLeastAtLevel = 40, kLeastBlocks = 200, kMostBlocks = 6000
 // How many times further blocks may spread than those of Gaussian noise. That of one camera measures 1.05 to
 // 1.3, with the slopes and edges that blocks contain.
 constexpr double kEven = 1.6;
+// The least share of the noise's power at wavelengths below 8 pixels: 0.74 at a blur of 0.7 pixels.
+constexpr double kFine = 0.5;
+constexpr float kMostChange = 4;  // of its variance between two levels that are not black or white
 constexpr float kLeastDeviation = 0.5f / 255;  // half a step of 8 bits
 constexpr float kThreshold = 3.2f;             // of coefficients, in deviations
 constexpr int kFar = Detail::Noise::kReach;
@@ -119,8 +122,10 @@ int level_of(float lightness) { return std::clamp(static_cast<int>(lightness * k
 struct Strength {
   Block spectrum = Block::Zero();
   std::array<float, kLevels> at{};
-  double uneven = 0;
   bool known = false;
+  double uneven = 0, fine = 0, change = 1;
+
+  bool of_a_camera() const { return known && uneven <= kEven && fine >= kFine && change <= kMostChange; }
 };
 
 // Levels without a value take those of the nearest ones, between two linearly.
@@ -140,6 +145,18 @@ struct Sample {
   float energy;
   int level;
 };
+
+// Of the power at wavelengths below 8 pixels, without the mean.
+double fine_share(const Block& spectrum) {
+  double fine = 0, all = 0;
+  for (int v = 0; v < kBlock; ++v)
+    for (int u = 0; u < kBlock; ++u) {
+      if (u + v == 0) continue;
+      all += spectrum(v, u);
+      if (std::hypot(u, v) >= 2.0 * kBlock / 8) fine += spectrum(v, u);
+    }
+  return fine / all;
+}
 
 // `samples`: blocks of one channel.
 Strength strength_of(const std::vector<Sample>& samples) {
@@ -186,7 +203,15 @@ Strength strength_of(const std::vector<Sample>& samples) {
     out.uneven = value;
     if (2 * (below += blocks) >= all) break;
   }
+  float least = 0, most = 0;
+  for (int k = 1; k + 1 < kLevels; ++k) {  // black and white cut noise off
+    if (!known[k] || 20 * energies[k].size() < all) continue;
+    least = least > 0 ? std::min(least, out.at[k]) : out.at[k];
+    most = std::max(most, out.at[k]);
+  }
+  if (least > 0) out.change = most / least;
   fill_levels(out.at, known);
+  out.fine = fine_share(out.spectrum);
   out.known = true;
   return out;
 }
@@ -369,7 +394,7 @@ Detail::Noise split_noise(Image& image, const Labels& labels, const Labels* mask
     planes.push_back(plane_of(image, labels, mask, s, gray, softness));
   }
   const std::array<Strength, 3> strength = strengths_of(planes, work.part(0, 0.2));
-  if (!strength[0].known || strength[0].uneven > kEven) return {};
+  if (!strength[0].of_a_camera()) return {};
   std::vector<Channels> noise;
   for (Plane& p : planes) {
     noise.push_back(p.channel);
