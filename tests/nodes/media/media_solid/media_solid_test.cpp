@@ -99,7 +99,8 @@ TEST(MediaSolid, CountsFollowTheField) {
     for (int s = 0; s < 5; ++s) EXPECT_GT(level.sweep(s, s < 3 ? 2.0 : 0.0, {}), 0u);
     const double after = level.mismatch();
     EXPECT_LT(after, before / 3);
-    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, Ends::Tile, {}).mismatch(), after, 1e-9 * before);
+    EXPECT_NEAR(Level(level.take(), size, phases, targets, 1e-3, Ends::Tile, {}).mismatch(), after,
+                1e-9 * before);
   }
 }
 
