@@ -182,6 +182,26 @@ TEST_F(StudioPage, MakesAMaterialOfAPhotograph) {
   EXPECT_GT(equal, 30u);
 }
 
+// Strokes on the photograph teach phases, one Strokes node for each, and undo takes them back one by one.
+TEST_F(StudioPage, TeachesPhasesByStrokes) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "phases.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["in_order"], true);
+  EXPECT_NE(r["says"].get<std::string>().find("mark 1 phase;"), std::string::npos) << r["says"];
+  EXPECT_EQ(r["shown"], 4);
+  EXPECT_EQ(r["after"], 0);
+  EXPECT_EQ(r["undone"], true);
+  const std::string text = r["text"];
+  EXPECT_NE(text.find("strokes: [on_phase_0.strokes, on_phase_1.strokes, on_phase_2.strokes]"),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(text.find("phases: 2"), std::string::npos) << text;
+}
+
 // Solids, slices, plots, linked views, the plane, prices, comparisons, subgraphs, notes, the nib, and pages
 // without WebGL.
 TEST_F(StudioPage, ShowsComparesAndCuts) {

@@ -54,7 +54,7 @@ NodeType media_block_node() {
           .doc_(
               "Makes one block of a solid of phases that is too large for memory: a slab across z. Blocks "
               "fit "
-              "together, whichever are made, and in whatever order.")
+              "together, in whatever order they are made.")
           .source_("See MediaSolid")
           .input("base", "MediaBase", "Data that all blocks share")
           .output(

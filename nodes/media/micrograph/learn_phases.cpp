@@ -64,8 +64,9 @@ FoundPhases learn_phases(const Image& image, const std::vector<std::uint8_t>& un
   const int phases = count_of(strokes);
   if (phases < 2 || phases > kMostPhases)
     throw Error("wrong-count",
-                fmt::format("there are strokes for {} phases, but 2 to {} are possible", phases, kMostPhases),
-                "connect one node Strokes for each phase");
+                fmt::format("strokes mark {} {}; 2 to {} are possible", phases,
+                            phases == 1 ? "phase" : "phases", kMostPhases),
+                "draw on each phase: one node Strokes for each");
   const GrayPicture picture = gray_picture(image, unobserved);
   const auto marks = marked(strokes, picture);
   const Votes votes = PixelForest(image, 0, taught_by(marks, phases), seed, work.part(0, 0.3))

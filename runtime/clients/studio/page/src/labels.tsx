@@ -1,10 +1,11 @@
-import { useEffect, useState } from 'react';
+import { useEffect, useMemo, useState } from 'react';
 
 import { colorAt } from './color';
 import { useDropper } from './dropper';
 import type { Pen } from './pen';
+import { colorsOf, phaseHint, phaseOf, phasePen, PhaseStrokes, PhaseTools } from './phases';
 import { fetchRaster, PanZoom, Picture } from './raster';
-import { useStore } from './store';
+import { shownDoc, useStore } from './store';
 import { correct, setBinder, tools, usable } from './tools';
 import type { DocNode, OutputValue } from './types';
 import { Sections } from './images';
@@ -35,12 +36,14 @@ function Tools({ node }: { node: DocNode }) {
 // Labels over the picture that they were found in, and tools to correct them. Without labels, the picture alone.
 export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode }) {
   const [section, setSection] = useState(0), [opacity, setOpacity] = useState(0.55);
-  const name = useStore(s => s.tool);
+  const [radius, setRadius] = useState(4);
+  const name = useStore(s => s.tool), doc = useStore(shownDoc), scope = useStore(s => s.scope);
   const base = useNearest(node.name, 'Image');
   const labels = useLoaded(`${value?.hash}.${section}`, async () => (value ? {
     colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
   } : null));
   const under = useLoaded(`${base?.value.hash}.${section}`, async () => (base ? fetchRaster(base.value.hash, 'pixels', section) : null));
+  const colors = useMemo(() => colorsOf(labels.data), [labels.data]);
   const data = labels.data, photo = under.data, dropper = useDropper(photo);
   const fits = !data || (photo && data.ids.fullWidth === photo.fullWidth);
   const size = data?.ids ?? photo;
@@ -49,7 +52,8 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
   const tool = editable ? tools.find(t => t.name === name && usable(t, node)) : undefined;
   const leave = () => useStore.setState({ tool: null });
   const factor = size.fullWidth / size.width;
-  const pen: Pen | null = dropper ?? (tool ? {
+  const taught = node.type === 'Phases' && !scope && section === 0 ? doc : null, phase = taught ? phaseOf(name) : -1;
+  const pen: Pen | null = dropper ?? (taught && phase >= 0 ? phasePen(node, taught, phase, radius, factor) : tool ? {
     ...tool.pen, leave,
     done: points => {
       if (tool.name !== 'binder') return void correct(node, tool.name, points.map(([x, y]) => [x * factor, y * factor]), section);
@@ -60,6 +64,7 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
   return (
     <>
       {editable && <Tools node={node} />}
+      {taught && <PhaseTools node={node} doc={taught} colors={colors} radius={radius} setRadius={setRadius} />}
       <PanZoom width={size.width} height={size.height} pen={pen} hover={(x, y) => {
         if (dropper || tool?.name === 'binder') return photo ? `${dropper ? 'color' : 'binder'} ${colorAt(photo, [x, y])}` : '';
         const id = ids ? ids[y * size.width + x] : 0;
@@ -67,9 +72,10 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
       }}>
         {fits && photo && <Picture raster={photo} />}
         {data && <Picture raster={data.colors} opacity={fits && photo ? (dropper || tool?.name === 'binder' ? 0 : opacity) : 1} />}
+        {taught && phase >= 0 && <PhaseStrokes node={node} doc={taught} colors={colors} width={size.width} height={size.height} factor={factor} />}
       </PanZoom>
       <div className="options">
-        {tool ? <span>{tool.hint}</span> : <>
+        {tool ? <span>{tool.hint}</span> : phase >= 0 ? <span>{phaseHint(node)}</span> : <>
           <Sections count={size.sections} section={section} set={setSection} />
           {fits && data && <label>Labels <input type="range" min={0} max={1} step={0.05} value={opacity} onChange={e => setOpacity(Number(e.target.value))} /></label>}</>}
       </div>

@@ -13,11 +13,14 @@ export function nibOf(node: DocNode, doc: Doc): { nib: DocNode; strokes: DocNode
 
 const number = (v: number) => String(Number(v.toFixed(1)));
 
+// A stroke as the node Strokes reads it.
+export const strokeText = (points: Point[], radius: number) => `${number(radius)}: ${simplified(points).map(p => p.map(number).join(' ')).join(', ')}`;
+
 // A stroke on the picture at an output of a node. The first one puts a TextureNib behind it, and what read the picture reads that.
 export async function paint(node: DocNode, port: string, points: Point[], radius: number): Promise<void> {
   const doc = shownDoc(useStore.getState());
   if (!doc) return;
-  const text = `${number(radius)}: ${simplified(points).map(p => p.map(number).join(' ')).join(', ')}`;
+  const text = strokeText(points, radius);
   const known = nibOf(node, doc);
   if (known) return void edit([{ op: 'append', node: known.strokes.name, name: 'strokes', value: text }]);
   const nib = freshName(doc, 'nib'), strokes = freshName(doc, 'strokes');
