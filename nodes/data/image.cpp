@@ -12,6 +12,9 @@ void encode(const Image& v, Writer& w) {
   w.pod(v.sections);
   w.pod(v.pixel_size);
   w.raw_array(v.pixels);
+  if (!v.georeference) return;  // the bytes are those of former versions
+  w.pod(v.georeference->m);
+  w.pod(v.georeference->epsg);
 }
 
 Image decode_image(Reader& r) {
@@ -23,6 +26,10 @@ Image decode_image(Reader& r) {
   v.pixels = r.raw_array<Vec3f>();
   if (v.pixels.size() != pixels_in(v.width, v.height) * v.sections)
     throw Error("damaged", "the stored image has the wrong number of pixels");
+  if (r.left() == 0) return v;
+  v.georeference.emplace();
+  v.georeference->m = r.pod<std::array<double, 6>>();
+  v.georeference->epsg = r.pod<int>();
   return v;
 }
 
@@ -30,11 +37,13 @@ nlohmann::json describe(const Image& v) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& p : v.pixels) mean += p.cast<double>();
   if (!v.pixels.empty()) mean /= static_cast<double>(v.pixels.size());
-  return {{"width", v.width},
-          {"height", v.height},
-          {"sections", v.sections},
-          {"pixel_size", v.pixel_size},
-          {"mean", json_of(mean)}};
+  nlohmann::json out = {{"width", v.width},
+                        {"height", v.height},
+                        {"sections", v.sections},
+                        {"pixel_size", v.pixel_size},
+                        {"mean", json_of(mean)}};
+  if (v.georeference) out["georeference"] = {{"affine", v.georeference->m}, {"epsg", v.georeference->epsg}};
+  return out;
 }
 
 }  // namespace

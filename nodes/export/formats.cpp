@@ -19,8 +19,8 @@ std::vector<std::string> with_maps(std::vector<std::string> types) {
 }  // namespace
 
 const std::vector<Format>& formats() {
-  static const std::vector<std::pair<std::string, std::string>> kPictures = {{"Profiles", "Image"},
-                                                                             {"Profiles", "Labels"}};
+  static const std::vector<std::pair<std::string, std::string>> kPictures = {
+      {"Profiles", "Image"}, {"Profiles", "Labels"}, {"Labels", "Image"}};
   static const std::vector<Format> all = {
       {".glb", with_maps({"Particles", "Shapes", "Image"}), {}, true, write_glb_file},
       {".mtlx", with_maps({}), {"base_color"}, true, write_materialx_file},

@@ -78,11 +78,23 @@ Volume grids_for_nvdb(Context& c, const Volume& volume) {
 PictureSize Job::picture(const Profiles& profiles) const {
   PictureSize out;
   if (const Image* image = find<Image>("Image"))
-    out = {image->width, image->height, image->sections, image->pixel_size};
+    out = {image->width, image->height, image->sections, image->pixel_size, image->georeference};
   else if (const Labels* labels = find<Labels>("Labels"))
-    out = {labels->width, labels->height, labels->sections, labels->pixel_size};
+    out = {labels->width, labels->height, labels->sections, labels->pixel_size, {}};
   if (out.pixel_size > 0) require_picture(profiles, out.width, out.height, out.sections, out.pixel_size);
   return out;
+}
+
+std::optional<Georeference> Job::place_of(const Labels& labels) const {
+  const Image* image = find<Image>("Image");
+  if (!image) return {};
+  if (image->width != labels.width || image->height != labels.height || image->sections != labels.sections)
+    throw Error("size-mismatch",
+                fmt::format("the labels have {} sections of {} × {} pixels, but the image has {} of {} × {}",
+                            labels.sections, labels.width, labels.height, image->sections, image->width,
+                            image->height),
+                "connect the picture of the labels");
+  return image->georeference;
 }
 
 MaterialMaps Job::maps() const {
@@ -197,8 +209,9 @@ void write_outlines(const Job& job) {
     throw Error("missing-input",
                 "a " + job.format.extension + " file is in pixels, whose size profiles do not know",
                 "connect the picture of the profiles to image, or their labels");
-  const OutlineFile all = profiles ? outlines_of(*profiles, picture.width, picture.height, picture.pixel_size)
-                                   : outlines_of(*job.find<Labels>("Labels"));
+  OutlineFile all = profiles ? outlines_of(*profiles, picture.width, picture.height, picture.pixel_size)
+                             : outlines_of(*job.find<Labels>("Labels"));
+  all.georeference = profiles ? picture.georeference : job.place_of(*job.find<Labels>("Labels"));
   if (all.outlines.empty())
     throw Error("no-profiles", "there are no profiles to write", "use a photograph that shows particles");
   const std::string& end = job.format.extension;

@@ -3,8 +3,11 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "nodes/data/georeference.h"
+#include "nodes/data/labels.h"
 #include "nodes/data/particles.h"
 #include "nodes/data/profiles.h"
 #include "nodes/data/volume.h"
@@ -21,7 +24,8 @@ struct Input {
 };
 inline constexpr std::array<Input, 10> kInputs = {{
     {"image", "Image",
-     "Image or stack of images. In a .glb file, the texture of the shapes. Beside profiles, their picture"},
+     "Image or stack of images. In a .glb file, the texture of the shapes. Beside profiles or labels, their "
+     "picture"},
     {"labels", "Labels", "Profile id of each pixel. Beside profiles, these tell the size of a pixel"},
     {"profiles", "Profiles", "Profiles of plane sections"},
     {"shapes", "Shapes", "Shapes of the particles"},
@@ -41,6 +45,7 @@ inline constexpr std::array<Input, 10> kInputs = {{
 struct PictureSize {
   int width = 0, height = 0, sections = 1;  // pixels
   double pixel_size = 0;                    // mm
+  std::optional<Georeference> georeference = {};
 };
 
 // What one Export node is to write. `values` fit the format: check_fit() was called.
@@ -59,7 +64,9 @@ struct Job {
   const Particles* particles() const { return find<Particles>("Particles"); }
   const Volume* volume() const { return find<Volume>("Volume"); }
   MaterialMaps maps() const;
-  PictureSize picture(const Profiles&) const;  // throws Error "size-mismatch" if it is not theirs
+  // Throws Error "size-mismatch" if it is not theirs.
+  PictureSize picture(const Profiles&) const;
+  std::optional<Georeference> place_of(const Labels&) const;
   const Value& only() const { return values.begin()->second; }  // of formats that hold one value
 };
 

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 #include "tests/nodes/export/voxel_support.h"
 #include "tests/support/code_of.h"
@@ -120,6 +121,29 @@ TEST(ForeignDream3d, OpensInLoadVolume) {
   };
   EXPECT_EQ(code("latest"), "");
   EXPECT_EQ(code("big"), "");  // of another byte order
+}
+
+TEST(ExportedDream3d, HasCrystalStructures) {
+  if (!test::has_python_module("h5py")) GTEST_SKIP() << "python3-h5py is not installed";
+  Table t;
+  t.columns = {"phase", "name", "lattice"};
+  t.rows = {{"PHASE_2", "Mica", "mS"},
+            {"BINDER", "Glass", ""},
+            {"PHASE_0", "Iron", "cI"},
+            {"PHASE_1", "Zinc", "hP"},
+            {"VOIDS", "Air", ""}};
+  const fs::path out = test::temporary_folder();
+  test::run_node("Export",
+                 {{"volume", Value::of(test::formula_volume())},
+                  {"particles", Value::of(test::formula_particles())},
+                  {"table", Value::of(t)}},
+                 {{"path", "a.dream3d"}}, out);
+  const auto j = test::run_reader("read_dream3d.py", {(out / "a.dream3d").string()});
+  const auto& ensembles = j["matrices"]["CellEnsembleData"]["arrays"];
+  // EbsdLib: 1 is cubic, 0 hexagonal, 5 monoclinic, 999 unknown
+  EXPECT_EQ(ensembles["CrystalStructures"]["values"], (std::vector<int>{999, 1, 0, 5, 999}));
+  EXPECT_EQ(ensembles["PhaseName"]["values"],
+            (std::vector<std::string>{"Glass", "Iron", "Zinc", "Mica", "Air"}));
 }
 
 }  // namespace

@@ -43,6 +43,7 @@ TEST_F(OutputThatIsLost, IsAFailureInEveryCommand) {
                               "show g.yaml p.image --no-cache --json",
                               "explain g.yaml --no-cache",
                               "graph g.yaml",
+                              "methods g.yaml",
                               "nodes",
                               "nodes Export",
                               "nodes --json",

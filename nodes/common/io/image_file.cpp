@@ -9,6 +9,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/io/pictures/color_config.h"
 #include "nodes/common/io/pictures/color_profile.h"
+#include "nodes/common/io/pictures/georeferences.h"
 #include "nodes/common/io/pictures/orientation.h"
 #include "nodes/common/io/pictures/picture_input.h"
 #include "nodes/common/io/pictures/stored_picture.h"
@@ -241,6 +242,7 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   PictureContent content = checked_picture(path, reading);
   const ChosenPage chosen = choose_page(content.pages, choice, path);
   const PictureMetadata metadata = metadata_of(content, chosen.page);
+  if (sizes) sizes->place = place_in_tiff(content, chosen.page);
   if (chosen.page.number < 0 || content.format == "gif") {
     Encoded e = read_stored(content, chosen, pixel_size, reading);  // upright
     require_finite(e, path);
@@ -257,7 +259,8 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   PictureInput in(std::move(content), size, reading, {{"oiio:UnassociatedAlpha", 1}});
   if (!in.seek(chosen.page.number)) throw in.unreadable("it has no such page");
   if (in.header().deep) throw in.unreadable("deep images have no single color per pixel");
-  if (sizes) *sizes = {pixel_scale_of(in.attributes()), field_of_view_of(in.attributes())};
+  if (sizes) sizes->pixel = pixel_scale_of(in.attributes());
+  if (sizes) sizes->field_of_view = field_of_view_of(in.attributes());
   const bool as_described =
       described && described->kind == ColorKind::Plain && described->count == in.header().count();
   const Channels channels = chosen.channel ? one_channel(*chosen.channel, in.header().count(), path)

@@ -71,6 +71,15 @@ std::vector<ProfileColumn> measured_columns(const Profiles& profiles, const Prof
     out.push_back({std::string("mean_") + "rgb" [k], 0, {}});
     for (const Vec3f& color : colors) out.back().values.push_back(color[k]);
   }
+  if (const auto& place = picture.image->georeference)
+    for (int k = 0; k < 2; ++k) {
+      out.push_back({std::string("map_") + "xy" [k], 0, {}});
+      for (const Profile& p : profiles.profiles) {
+        const Vec2 pixel(p.centroid.x() / picture.pixel_size,
+                         picture.image->height - p.centroid.y() / picture.pixel_size);
+        out.back().values.push_back(place->on_map(pixel)[k]);
+      }
+    }
   return out;
 }
 

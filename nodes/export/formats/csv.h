@@ -23,7 +23,8 @@ struct ProfilePicture {
 };
 // section, class, area (mm²), centroid_x, centroid_y (mm), touches_border (0, 1), weight, confidence (0 to
 // 1), color_r, color_g, color_b, the columns of profile_columns (mm, degrees); areas and lengths in pixels
-// (area_px); mean_r, mean_g, mean_b of the image. Unknown cells are empty.
+// (area_px); mean_r, mean_g, mean_b of the image; map_x, map_y of the centroid if it is georeferenced.
+// Unknown cells are empty.
 std::string csv_of(const Profiles&, const ProfilePicture& = {}, const Work& = {});
 // id, shape, class, x, y, z (mm), qw, qx, qy, qz, scale, size (mm), color_r, color_g, color_b, void (0, 1),
 // and with shapes, equivalent_diameter (mm): of the sphere of the same volume. Throws Error "no-such-shape".

@@ -5,6 +5,7 @@
 #include "graph/node_type.h"
 #include "nodes/common/io/image_file.h"
 #include "nodes/common/io/pictures/color_config.h"
+#include "nodes/common/io/pictures/georeferences.h"
 #include "nodes/photograph/load_image/rectify.h"
 #include "runtime/context.h"
 
@@ -19,6 +20,28 @@ void offer(const PixelScale& scale, Context& c) {
       "according to {}, a pixel is {:.3g} mm wide (± {:.0f} %), but pixel_size is {:g}; if the metadata "
       "are right, set pixel_size: {:.3g}",
       scale.source, scale.size, 100 * scale.uncertainty, c.number("pixel_size"), scale.size));
+}
+
+// The place of the first file, which must agree with pixel_size; none if the picture does not keep it.
+std::optional<Georeference> place_of(Context& c, const std::optional<StatedPlace>& place) {
+  if (!place) return {};
+  const auto leave = [&](const std::string& why) {
+    c.warn(fmt::format("the coordinates of {} are not kept: {}", place->source, why));
+    return std::nullopt;
+  };
+  if (place->unit == 0)
+    return leave("their unit is not known to be a length. Reproject the picture to meters");
+  const Georeference& g = place->georeference;
+  const double size = std::hypot(g.m[0], g.m[3]) * place->unit;
+  if (std::abs(c.number("pixel_size") - size) > 1e-3 * size)
+    throw Error("contradicting-unit",
+                fmt::format("according to {}, a pixel is {:.6g} mm wide, but pixel_size is {:g}",
+                            place->source, size, c.number("pixel_size")),
+                fmt::format("set pixel_size: {:.6g}, or remove the georeference if it is wrong", size))
+        .parameter("pixel_size");
+  if (c.files("path").size() > 1) return leave("a stack has no single place");
+  if (c.number("tilt") > 0) return leave("tilt changes the picture");
+  return g;
 }
 
 // How the camera looked at the surface. `stated`: the field of view according to the first file.
@@ -55,7 +78,11 @@ void compute(Context& c) {
     c.work().check();
     StatedSizes sizes;
     Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &sizes, choice);
-    if (i == 0 && sizes.pixel) offer(*sizes.pixel, c);
+    if (i == 0) {
+      if (!sizes.place) sizes.place = place_beside(files[i], reading_of(c));
+      section.georeference = place_of(c, sizes.place);
+    }
+    if (i == 0 && sizes.pixel && !sizes.place) offer(*sizes.pixel, c);
     if (i == 0) tilt = tilt_of(c, sizes.field_of_view);
     if (tilt.tilt > 0) section = rectified(section, tilt, c.memory(), c.work().quiet());
     if (i == 0) {
@@ -89,21 +116,27 @@ namespace terrazzo {
 
 NodeType load_image_node() {
   using namespace load_image;
-  return NodeType("LoadImage", 4)
+  return NodeType("LoadImage", 5)
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
           "PNG, TIFF, OpenEXR, Radiance HDR, BMP, PNM, GIF and the raw files of cameras; color spaces are "
           "converted "
           "through OpenColorIO and Little CMS. A truncated file is an error; other decoder messages become "
           "warnings.")
-      .output("image", "Image", "One section per file, in file name order")
+      .source_("GeoTIFF 1.1; EXIF 2.32")
+      .output("image", "Image",
+              "One section per file, in file name order. A single one keeps its coordinates on the map, for "
+              "files of "
+              "outlines and tables of profiles.")
       .parameter(Parameter::input_path("path").doc_(
           "Image file. A glob names a stack of sections of equal size and scale."))
-      .parameter(Parameter::number("pixel_size", 1)
-                     .unit_("mm")
-                     .range(1e-9, 1e9)
-                     .doc_("Edge length of a pixel. A warning appears if the file's metadata (EXIF, scanner "
-                           "resolution, ImageJ calibration) state another size."))
+      .parameter(
+          Parameter::number("pixel_size", 1)
+              .unit_("mm")
+              .range(1e-9, 1e9)
+              .doc_("Edge length of a pixel. A warning appears if the file's metadata (EXIF, scanner "
+                    "resolution, ImageJ calibration) state another size. Another size in a georeference "
+                    "(GeoTIFF tags, or a world file such as .jgw, in meters) is an error."))
       .parameter(Parameter::text("colorspace", "auto")
                      .doc_("OpenColorIO name of the files' color space, looked up in the configuration of "
                            "$OCIO if set, then in the built-in one. auto: what the file states (ICC profile, "
@@ -133,6 +166,7 @@ NodeType load_image_node() {
       .parameter(Parameter::text("color_config", color_config_id())
                      .doc_("Identity of the OpenColorIO configuration in use, so that a changed $OCIO counts "
                            "as a changed input. Set it only to require a particular configuration."))
+      .companion_files_(world_files)
       .compute_(compute);
 }
 

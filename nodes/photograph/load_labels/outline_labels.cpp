@@ -14,7 +14,8 @@ Labels labels_from_outlines(const std::vector<std::filesystem::path>& files, con
   out.sections = 0;
   out.pixel_size = pixel_size;
   for (const auto& path : files) {
-    OutlineFile outlines = read_outline_file(path, reading, work);
+    OutlineFile outlines =
+        read_outline_file(path, reading, work, picture ? picture->georeference : MapPlace());
     const std::string file = path.string();
     if (picture)
       take_picture(outlines, *picture, files.size() == 1, file);

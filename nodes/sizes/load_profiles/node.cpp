@@ -34,9 +34,10 @@ std::string text_of(const std::filesystem::path& file, Context& c) {
 Profiles outlined_profiles(Context& c, const std::filesystem::path& path, const std::string& text) {
   const std::string file = path.string();
   const Reading reading = reading_of(c);
-  OutlineFile outlines = text.empty() ? read_outline_file(path, reading, c.work())
-                                      : read_outline_text(text, file, reading, c.work());
   const Image* image = c.optional<Image>("image");
+  const MapPlace place = image ? image->georeference : MapPlace();
+  OutlineFile outlines = text.empty() ? read_outline_file(path, reading, c.work(), place)
+                                      : read_outline_text(text, file, reading, c.work(), place);
   if (image) {
     take_picture(outlines, *image, true, file);
     outlines.pixel_size = image->pixel_size;

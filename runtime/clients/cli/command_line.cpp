@@ -81,6 +81,7 @@ int run_command(int argc, char** argv, const Program& program) {
   cli::add_check(app, program, exit_code);
   cli::add_show(app, program, exit_code);
   cli::add_explain(app, program, exit_code);
+  cli::add_methods(app, program, exit_code);
   cli::add_graph(app, program, exit_code);
   cli::add_nodes(app, program, exit_code);
   cli::add_schema(app, program, exit_code);

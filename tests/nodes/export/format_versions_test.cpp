@@ -34,11 +34,11 @@ json all_files() {
   const Value volume = Value::of(test::formula_volume()), seven = Value::of(test::formula_particles());
   const Value particles = Value::of(test::some_particles(20)), shapes = Value::of(test::two_shapes());
   json out;
-  for (const char* name : {"a.vti", "a.dream3d", "a.inp", "a.msh", "a.stl"})
+  for (const char* name : {"a.vti", "a.vtu", "a.dream3d", "a.inp", "a.tesr", "a.msh", "a.stl"})
     out[name] = files_of(name, {{"volume", volume}, {"particles", seven}});
   for (const char* name : {"a.npy", "a.nii", "a.nvdb"})
     out[name] = files_of(name, {{"volume", volume}}, {{"grids", "id"}});
-  for (const char* name : {"a.glb", "a.usda", "a.xml", "a.pbrt"})
+  for (const char* name : {"a.glb", "a.usda", "a.xml", "a.pbrt", "a.lmp"})
     out[name] = files_of(name, {{"particles", particles}, {"shapes", shapes}});
   out["nodes.glb"] =
       files_of("nodes.glb", {{"particles", particles}, {"shapes", shapes}}, {{"instancing", "nodes"}});

@@ -14,7 +14,7 @@ Vec3 mesh_centroid(const Mesh&);        // of the enclosed volume
 double mesh_bounding_radius(const Mesh&, const Vec3& center = Vec3::Zero());
 // (1/4π) Σ L·θ over the edges, negative for concave edges, in mm: the mean caliper diameter of a convex body,
 // and for any closed mesh the mean over directions of ∫χ(section) dh (the χ identity in
-// docs/reference-values.md; Santaló 1976, III.13.5).
+// docs/validation.md; Santaló 1976, III.13.5).
 double mesh_edge_curvature(const Mesh&);
 // Mean distance of parallel tangent planes in mm, exact: that of the convex hull.
 double mesh_mean_caliper(const Mesh&);

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "graph/text/read_number.h"
 #include "nodes/common/io/json_input.h"
 #include "nodes/common/io/outlines/outline_file.h"
 
@@ -92,6 +93,30 @@ void read_picture(const json& all, OutlineFile& out) {
   if (out.width == 0 || out.height == 0) out.width = out.height = 0;
   out.sections = std::max(1, static_cast<int>(number("sections", kMostSections)));
   out.pixel_size = number("pixel_size_mm", 1e9);
+  const auto affine = it->find("affine");
+  if (affine == it->end() || !affine->is_array() || affine->size() != 6) return;
+  Georeference g;
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (!(*affine)[k].is_number()) return;
+    g.m[k] = (*affine)[k].get<double>();
+  }
+  if (const double area = g.m[0] * g.m[4] - g.m[1] * g.m[3]; std::isfinite(area) && area != 0)
+    out.georeference = g;
+}
+
+// The coordinate system, as QGIS and GDAL write it.
+void read_system(const json& all, OutlineFile& out) {
+  const auto it = all.find("crs");
+  if (it == all.end() || !it->is_object()) return;
+  out.on_map = true;
+  const auto name = it->value("/properties/name"_json_pointer, json());
+  if (!name.is_string()) return;
+  const std::string text = name.get<std::string>();
+  const auto at = text.rfind(':');
+  const auto number =
+      at == text.npos ? std::optional<double>() : read_number(std::string_view(text).substr(at + 1));
+  if (text.find("EPSG") != text.npos && number && *number > 0 && *number < 1e6)
+    out.epsg = static_cast<int>(*number);
 }
 
 }  // namespace
@@ -107,6 +132,7 @@ OutlineFile read_geojson(const std::string& text, const std::string& file) {
   if (features == &all && all.is_object()) features = &alone;
   OutlineFile out;
   if (all.is_object()) read_picture(all, out);
+  if (all.is_object()) read_system(all, out);
   if (!features->is_array())
     throw Error("unreadable-outlines", fmt::format("'{}' is neither GeoJSON nor COCO", file),
                 "use GeoJSON with polygons, or COCO")
@@ -151,6 +177,10 @@ OutlineFile read_geojson(const std::string& text, const std::string& file) {
     for (auto& [name, value] : names) value = next++;
     for (std::size_t i = 0; i < named.size(); ++i)
       if (out.outlines[i].cls == 0) out.outlines[i].cls = names.at(named[i]);
+  }
+  if (out.georeference) {
+    to_pixels(out, *out.georeference);
+    out.on_map = false;
   }
   return out;
 }

@@ -30,11 +30,37 @@ OutlineFile json_outlines(const std::string& text, const std::string& file, cons
                                                                        : read_geojson(text, file);
 }
 
-OutlineFile checked_outlines(OutlineFile all, const std::string& file, const Work& work) {
+}  // namespace
+
+void to_pixels(OutlineFile& outlines, const Georeference& place) {
+  for (FileOutline& o : outlines.outlines)
+    for (Loop& loop : o.loops)
+      for (Vec2& p : loop) p = place.in_picture(p);
+}
+
+namespace {
+
+// From coordinates on the map of the picture.
+void take_to_pixels(OutlineFile& all, const Georeference& place, const std::string& file) {
+  if (all.epsg > 0 && place.epsg > 0 && all.epsg != place.epsg)
+    throw Error(
+        "bad-georeference",
+        fmt::format("the outlines of '{}' have the coordinate system EPSG:{}, but the connected picture "
+                    "has EPSG:{}",
+                    file, all.epsg, place.epsg),
+        "reproject the outlines")
+        .parameter("path");
+  to_pixels(all, place);
+  all.on_map = false;
+}
+
+OutlineFile checked_outlines(OutlineFile all, const std::string& file, const Work& work,
+                             const MapPlace& place) {
   if (all.outlines.empty())
     throw Error("no-particles", fmt::format("'{}' contains no outlines", file),
                 "use a file with polygons or areas")
         .parameter("path");
+  if (all.on_map && place) take_to_pixels(all, *place, file);
   require_simple(all, file, work);
   return all;
 }
@@ -52,11 +78,12 @@ bool is_region_file(const std::filesystem::path& path) {
 }
 
 OutlineFile read_outline_text(const std::string& text, const std::string& file, const Reading& reading,
-                              const Work& work) {
-  return checked_outlines(json_outlines(text, file, reading, work), file, work);
+                              const Work& work, const MapPlace& place) {
+  return checked_outlines(json_outlines(text, file, reading, work), file, work, place);
 }
 
-OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& reading, const Work& work) {
+OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& reading, const Work& work,
+                              const MapPlace& place) {
   const std::string head = beginning(path);
   OutlineFile out;
   if (is_archive(head)) {
@@ -65,9 +92,9 @@ OutlineFile read_outline_file(const std::filesystem::path& path, const Reading& 
     out.outlines.push_back(read_roi(read_whole(path, reading), path.string()));
     out.sections = out.outlines[0].section + 1;
   } else {
-    return read_outline_text(read_text(path, reading), path.string(), reading, work);
+    return read_outline_text(read_text(path, reading), path.string(), reading, work, place);
   }
-  return checked_outlines(std::move(out), path.string(), work);
+  return checked_outlines(std::move(out), path.string(), work, place);
 }
 
 void take_picture(OutlineFile& outlines, const Image& picture, bool all_sections, const std::string& file) {

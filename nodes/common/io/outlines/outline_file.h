@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,15 @@ struct FileOutline {
   std::vector<Loop> loops;
 };
 
+using MapPlace = std::optional<Georeference>;  // of the picture that outlines belong to
+
 struct OutlineFile {
   int width = 0, height = 0;  // of the picture, pixels; 0: the file does not say
   int sections = 1;
-  double pixel_size = 0;  // mm; 0: the file does not say
+  double pixel_size = 0;                          // mm; 0: the file does not say
+  std::optional<Georeference> georeference = {};  // of the picture
+  bool on_map = false;                            // the outlines may be in coordinates of a map
+  int epsg = 0;                                   // of that map; 0: the file does not say
   std::vector<FileOutline> outlines;
 };
 
@@ -41,10 +47,16 @@ bool is_region_file(const std::filesystem::path&);
 // GeoJSON's names of classes are numbered in alphabetical order; features without one come first. COCO's
 // categories have the order of the file. Throws Error "unreadable-outlines", "unreadable-file",
 // "bad-outline", "no-particles", "size-mismatch" for pictures of several sizes or scales, "too-large".
-OutlineFile read_outline_file(const std::filesystem::path&, const Reading&, const Work& = {});
+// GeoJSON with a member "crs" is on the map of the picture's `place`; Error "bad-georeference" if that is
+// another map.
+OutlineFile read_outline_file(const std::filesystem::path&, const Reading&, const Work& = {},
+                              const MapPlace& = {});
 // The same for the text of a JSON file.
 OutlineFile read_outline_text(const std::string& text, const std::string& file, const Reading&,
-                              const Work& = {});
+                              const Work& = {}, const MapPlace& = {});
+
+// From coordinates on the map.
+void to_pixels(OutlineFile&, const Georeference&);
 
 // Gives outlines the size of their picture, and with `all_sections` its sections. Throws Error
 // "size-mismatch" if the file says another or has more sections, "bad-outline" like require_inside.

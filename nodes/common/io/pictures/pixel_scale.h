@@ -5,6 +5,7 @@
 #include <string>
 
 #include "nodes/common/io/pictures/picture_codec.h"
+#include "nodes/data/georeference.h"
 
 namespace terrazzo {
 
@@ -14,10 +15,18 @@ struct PixelScale {
   std::string source;      // where the size comes from, for a message: "its resolution, 1200 pixels per inch"
 };
 
+// Where the picture lies on a map, and what that says about its pixels.
+struct StatedPlace {
+  Georeference georeference;
+  double unit = 0;     // mm per unit of the map; 0: it has no unit of length, such as degrees
+  std::string source;  // for a message: "its GeoTIFF tags"
+};
+
 // What the metadata state about sizes.
 struct StatedSizes {
   std::optional<PixelScale> pixel;
   std::optional<double> field_of_view;  // degrees across the picture's longer side, 1 to 170
+  std::optional<StatedPlace> place;
 };
 
 // The length of a unit of microscopes and scanners, such as "µm", in mm; 0 if the name is unknown.

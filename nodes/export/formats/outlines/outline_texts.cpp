@@ -29,11 +29,15 @@ json ring_of(Loop loop, bool hole) {
   return out;
 }
 
-json geometry_of(const FileOutline& o) {
+json geometry_of(const FileOutline& o, const std::optional<Georeference>& place) {
   json polygons = json::array();
   for (const auto& polygon : polygons_of(o.loops)) {
     json rings = json::array();
-    for (const Loop& loop : polygon) rings.push_back(ring_of(loop, !rings.empty()));
+    for (Loop loop : polygon) {
+      if (place)
+        for (Vec2& p : loop) p = place->on_map(p);
+      rings.push_back(ring_of(std::move(loop), !rings.empty()));
+    }
     polygons.push_back(std::move(rings));
   }
   if (polygons.size() == 1) return {{"type", "Polygon"}, {"coordinates", polygons[0]}};
@@ -100,7 +104,7 @@ std::string geojson_of(const OutlineFile& all) {
   for (const FileOutline& o : all.outlines)
     features.push_back({{"type", "Feature"},
                         {"id", std::stoi(o.name)},
-                        {"geometry", geometry_of(o)},
+                        {"geometry", geometry_of(o, all.georeference)},
                         {"properties",
                          {{"objectType", "annotation"},
                           {"name", o.name},
@@ -108,15 +112,20 @@ std::string geojson_of(const OutlineFile& all) {
                           {"class", o.cls},
                           {"section", o.section},
                           {"confidence", o.confidence}}}});
-  return json_text({{"type", "FeatureCollection"},
-                    {"picture",
-                     {{"width", all.width},
-                      {"height", all.height},
-                      {"sections", all.sections},
-                      {"pixel_size_mm", all.pixel_size}}},
-                    {"features", std::move(features)}},
-                   -1) +
-         "\n";
+  json out = {{"type", "FeatureCollection"},
+              {"picture",
+               {{"width", all.width},
+                {"height", all.height},
+                {"sections", all.sections},
+                {"pixel_size_mm", all.pixel_size}}},
+              {"features", std::move(features)}};
+  if (all.georeference) {
+    out["picture"]["affine"] = all.georeference->m;
+    if (const int epsg = all.georeference->epsg; epsg > 0)
+      out["crs"] = {{"type", "name"},
+                    {"properties", {{"name", fmt::format("urn:ogc:def:crs:EPSG::{}", epsg)}}}};
+  }
+  return json_text(out, -1) + "\n";
 }
 
 std::string coco_of(const OutlineFile& all) {

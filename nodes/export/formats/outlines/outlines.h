@@ -19,7 +19,8 @@ OutlineFile outlines_of(const Profiles&, int width, int height, double pixel_siz
 // A loop with its holes: the outer loops of an outline, and the holes that the smallest of them contains.
 std::vector<std::vector<Loop>> polygons_of(const std::vector<Loop>&);
 
-// RFC 7946, coordinates in pixels, y down, with the properties that QuPath reads; `picture` holds the size of
+// RFC 7946, coordinates in pixels, y down, or on the map of a georeferenced picture, with the properties that
+// QuPath reads; `picture` holds the size of
 // the picture.
 std::string geojson_of(const OutlineFile&);
 // COCO's format for object detection. Outlines with holes are written as run lengths.

@@ -62,6 +62,7 @@ std::string manual_end() {
          example("Change the seed of one node. Results that do not depend on it come from the cache:",
                  "terrazzo run terrazzo.yaml --set pack.seed=2") +
          example("Show which nodes would run, and why:", "terrazzo explain terrazzo.yaml") +
+         example("Describe the methods of a graph for a paper:", "terrazzo methods terrazzo.yaml") +
          example("Run a graph for every combination of two parameters:",
                  "terrazzo sweep terrazzo.yaml --vary pack.seed=1,2,3 --vary voxels.resolution=64,128") +
          example("Write one output to a file:", "terrazzo show terrazzo.yaml voxels.volume -o solid.vdb") +

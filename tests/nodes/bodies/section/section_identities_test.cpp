@@ -1,4 +1,4 @@
-// Stereological identities between bodies and their sections (Underwood 1970; docs/reference-values.md).
+// Stereological identities between bodies and their sections (Underwood 1970; docs/validation.md).
 #include <gtest/gtest.h>
 
 #include "nodes/bodies/cutting/section.h"

@@ -132,7 +132,7 @@ TEST(KMatrixReference, PerimetersAndSidesOfPolyhedra) {
 }
 
 // The mean over directions of ∫χ dh is (1/4π) Σ L·θ, with concave edges negative (the χ identity
-// in docs/reference-values.md). The body is a ring, whose sections are one region, two regions, or
+// in docs/validation.md). The body is a ring, whose sections are one region, two regions, or
 // one with a hole.
 TEST(KMatrixReference, EulerNumbersOfBodiesThatAreNotConvex) {
   const Mesh ring = test::square_ring().mesh;
