@@ -52,9 +52,8 @@ NodeType media_block_node() {
   NodeType type =
       NodeType("MediaBlock", 1)
           .doc_(
-              "Makes one block of a solid of phases that is too large for memory: a slab across z. Blocks "
-              "fit "
-              "together, in whatever order they are made.")
+              "Makes one block of a solid of phases that is too large for memory: a slab across z. In any "
+              "order, blocks fit together.")
           .source_("See MediaSolid")
           .input("base", "MediaBase", "Data that all blocks share")
           .output(
