@@ -8,6 +8,7 @@ const deeds: Record<string, string> = {
   LoadImage: 'reading the photograph', Segment: 'finding particles', Phases: 'finding phases', EditLabels: 'correcting labels', ShapeEstimate: 'estimating shapes',
   KMatrix: 'cutting shapes at random', Unfold: 'unfolding sizes', Distribution: 'drawing sizes', Pack: 'packing particles', Anneal: 'packing particles', Tessellate: 'growing cells',
   Colorize: 'coloring particles', ResidualSynth: 'synthesizing fine detail', DetailSolid: 'synthesizing fine detail', MediaSolid: 'synthesizing the solid',
+  MediaBase: 'synthesizing the solid', MediaBlock: 'synthesizing the solid',
   SolidOptimize: 'synthesizing the solid', SolidBase: 'synthesizing the solid', SolidBlock: 'synthesizing the solid', Voxelize: 'filling voxels', Section: 'cutting sections',
   View: 'drawing views', RenderSolid: 'rendering', RenderVolume: 'rendering', Measure3D: 'measuring', Compare: 'comparing with the photograph',
   TextureObserver: 'comparing with the photograph', ContactSheet: 'laying out pictures', Export: 'writing files',
