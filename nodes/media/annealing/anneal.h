@@ -59,8 +59,9 @@ Solid synthesize_block(const std::vector<media::PhaseMap>&, const AnnealOptions&
 
 // The layers of a slab across z of a solid with `layers`.
 Layers layers_of(int blocks, int block, int layers);
-constexpr int kLeastEdge = 24;    // voxels
-constexpr int kLeastLayers = 96;  // of a slab, if there is more than one
+constexpr double kMostVoxels = 2147483647;  // that are made at once
+constexpr int kLeastEdge = 24;              // voxels
+constexpr int kLeastLayers = 96;            // of a slab, if there is more than one
 
 // Voxels of a level, of which each stands for `stride` of the solid's along each axis.
 Vec3i size_at(const Vec3i& size, int stride);

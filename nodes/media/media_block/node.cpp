@@ -10,12 +10,18 @@ namespace terrazzo::media_block {
 namespace {
 using namespace annealing;
 
-void check_block(int blocks, int block, int layers) {
-  if (blocks > 1 && layers / blocks < kLeastLayers)
+void check_block(int blocks, int block, const Vec3i& size) {
+  const int layers = size.z() / blocks;
+  if (blocks > 1 && layers < kLeastLayers)
     throw Error("bad-value",
-                fmt::format("{} blocks along {} voxels are thinner than the least, {} voxels", blocks, layers,
-                            kLeastLayers),
+                fmt::format("{} blocks along {} voxels are thinner than the least, {} voxels", blocks,
+                            size.z(), kLeastLayers),
                 "cut the solid into fewer blocks")
+        .parameter("blocks");
+  if (1.0 * size.x() * size.y() * (layers + 1) > kMostVoxels)
+    throw Error("too-large",
+                fmt::format("blocks of {} × {} × {} voxels are too large", size.x(), size.y(), layers),
+                fmt::format("cut the solid into more blocks, of at most {:.0f} voxels", kMostVoxels))
         .parameter("blocks");
   if (block >= blocks)
     throw Error("bad-value", fmt::format("block {} does not exist: the solid has {} blocks", block, blocks),
@@ -28,7 +34,7 @@ void compute(Context& c) {
   if (request.maps.empty())
     throw Error("empty-base", "the base has no pictures", "connect the output base of a MediaBase");
   const int blocks = c.integer("blocks"), block = c.integer("block");
-  check_block(blocks, block, request.options.size.z());
+  check_block(blocks, block, request.options.size);
   require_memory(block_forecast(request.options.size, blocks), c.memory(), "the block");
   const Solid solid =
       synthesize_block(request.maps, request.options, coarse, blocks, block, c.work().part(0, 0.93));

@@ -10,8 +10,6 @@ namespace terrazzo::media_solid {
 namespace {
 using namespace annealing;
 
-constexpr double kMostVoxels = 2147483647;
-
 void compute(Context& c) {
   const PhaseRequest request = read_request(c);
   const Vec3i& size = request.options.size;
