@@ -19,6 +19,7 @@ void encode(const Detail& v, Writer& w) {
   w.array(z.sigma);
   w.array(z.variance);
   w.array(z.level);
+  w.array(z.level_by_width);
   w.bytes(z.dark.data(), sizeof(float) * 3);
   w.bytes(z.light.data(), sizeof(float) * 3);
   w.pod(z.dark_contrast);
@@ -105,11 +106,13 @@ Detail decode_detail(Reader& r) {
   z.sigma = r.array<float>();
   z.variance = r.array<float>();
   z.level = r.array<float>();
+  z.level_by_width = r.array<float>();
   r.bytes(z.dark.data(), sizeof(float) * 3);
   r.bytes(z.light.data(), sizeof(float) * 3);
   z.dark_contrast = r.pod<float>();
   z.light_contrast = r.pod<float>();
   if (z.sigma.size() != z.variance.size() || (!z.level.empty() && z.sigma.empty()) ||
+      z.level.empty() != z.level_by_width.empty() ||
       std::any_of(z.sigma.begin(), z.sigma.end(), [](float s) { return !(s > 0); }))
     throw Error("damaged", "the stored detail has zones without a field");
   const std::size_t profiles = v.profile_color.size();
@@ -193,6 +196,7 @@ nlohmann::json describe(const Detail& v) {
                                          {"sigma", v.zones.sigma},
                                          {"variance", v.zones.variance},
                                          {"level", v.zones.level},
+                                         {"level_by_width", v.zones.level_by_width},
                                          {"contrast", {v.zones.dark_contrast, v.zones.light_contrast}}}},
           {"skins", v.skins.size()},
           {"ground", {v.ground.width, v.ground.height}},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -241,60 +242,59 @@ std::array<Strength, 3> strengths_of(const std::vector<Plane>& planes, const Wor
   return out;
 }
 
-// The plane without noise: the mean of all blocks that show a pixel, after their small coefficients are set
-// to zero; blocks that need few coefficients count more.
+// Sets the small coefficients of a block to zero. Returns how many are left, with the mean.
+int shrink(Block& coefficients, const Block& least_square) {
+  int kept = 1;
+  for (int k = 1; k < kBlock * kBlock; ++k) {
+    float& v = coefficients.data()[k];
+    if (v * v < least_square.data()[k]) v = 0;
+    kept += v != 0;
+  }
+  return kept;
+}
+
+// Where blocks lie: kStep apart, the last ones at the edges.
+struct BlockGrid {
+  explicit BlockGrid(const Plane& p)
+      : columns((p.width - kBlock) / kStep + 1),
+        rows((p.height - kBlock) / kStep + 1),
+        right(p.width - kBlock),
+        bottom(p.height - kBlock) {}
+  int x(int column) const { return column + 1 < columns ? column * kStep : right; }
+  int y(int row) const { return row + 1 < rows ? row * kStep : bottom; }
+  int columns, rows, right, bottom;
+};
+
+// Takes the noise out of each channel: a pixel becomes the mean of all blocks that show it, after their small
+// coefficients are set to zero; blocks that need few coefficients count more.
 void remove_noise(Plane& p, const std::array<Strength, 3>& strength, const Work& work) {
-  const int rows = (p.height - kBlock) / kStep + 1, columns = (p.width - kBlock) / kStep + 1;
-  constexpr int kRows = 16;  // of blocks at a time
-  const std::size_t bands = (rows + kRows - 1) / kRows;
-  const auto start = [](int k, int count, int edge) { return k + 1 < count ? k * kStep : edge - kBlock; };
-  struct Band {
-    int first = 0;
-    Channels sum, weight;
-  };
-  std::vector<Band> made(bands);
-  work.parallel(bands, 1, [&](std::size_t band, std::size_t) {
-    const int from = static_cast<int>(band) * kRows, to = std::min(rows, from + kRows);
-    Band& out = made[band];
-    out.first = start(from, rows, p.height);
-    const std::size_t pixels = pixels_in(p.width, start(to - 1, rows, p.height) + kBlock - out.first);
-    for (int c = 0; c < p.channels(); ++c) {
-      out.sum[c].assign(pixels, 0);
-      out.weight[c].assign(pixels, 0);
-    }
-    for (int j = from; j < to; ++j)
-      for (int i = 0; i < columns; ++i) {
-        const int x = start(i, columns, p.width), y = start(j, rows, p.height);
-        int level = 0;
-        for (int c = 0; c < p.channels(); ++c) {
-          Block b = p.block(c, x, y);
-          if (c == 0) level = level_of(lightness_of(b));
-          if (!strength[c].known) continue;
-          const Block limit = kThreshold * kThreshold * strength[c].at[level] * strength[c].spectrum;
-          int kept = 1;
-          for (int k = 1; k < kBlock * kBlock; ++k) {
-            if (b.data()[k] * b.data()[k] < limit.data()[k]) b.data()[k] = 0;
-            kept += b.data()[k] != 0;
-          }
-          const Block clean = cosines().transpose() * b * cosines();
-          const float weight = 1.0f / static_cast<float>(kept);
-          for (int row = 0; row < kBlock; ++row)
-            for (int n = 0; n < kBlock; ++n) {
-              const std::size_t at = pixel_at(x + n, y + row - out.first, p.width);
-              out.sum[c][at] += weight * clean(row, n);
-              out.weight[c][at] += weight;
-            }
-        }
-      }
-  });
+  const BlockGrid grid(p);
+  constexpr int kRows = 16;  // of blocks, a band; bands two apart show different pixels
+  const std::size_t bands = (grid.rows + kRows - 1) / kRows;
+  std::vector<std::uint8_t> level(pixels_in(grid.columns, grid.rows));
   for (int c = 0; c < p.channels(); ++c) {
     if (!strength[c].known) continue;
     std::vector<float> sum(p.place.size(), 0), weight(p.place.size(), 0);
-    for (const Band& band : made)
-      for (std::size_t i = 0; i < band.sum[c].size(); ++i) {
-        sum[pixels_in(p.width, band.first) + i] += band.sum[c][i];
-        weight[pixels_in(p.width, band.first) + i] += band.weight[c][i];
-      }
+    const auto add_band = [&](std::size_t band) {
+      const int from = static_cast<int>(band) * kRows, to = std::min(grid.rows, from + kRows);
+      for (int row = from; row < to; ++row)
+        for (int column = 0; column < grid.columns; ++column) {
+          const int x = grid.x(column), y = grid.y(row);
+          Block b = p.block(c, x, y);
+          std::uint8_t& l = level[pixel_at(column, row, grid.columns)];
+          if (c == 0) l = static_cast<std::uint8_t>(level_of(lightness_of(b)));
+          const Block least = kThreshold * kThreshold * strength[c].at[l] * strength[c].spectrum;
+          const float share = 1.0f / static_cast<float>(shrink(b, least));
+          const Block clean = cosines().transpose() * b * cosines();
+          for (int j = 0; j < kBlock; ++j)
+            for (int i = 0; i < kBlock; ++i) {
+              sum[pixel_at(x + i, y + j, p.width)] += share * clean(j, i);
+              weight[pixel_at(x + i, y + j, p.width)] += share;
+            }
+        }
+    };
+    for (const std::size_t first : {0, 1})
+      work.parallel((bands + 1 - first) / 2, 1, [&](std::size_t k, std::size_t) { add_band(2 * k + first); });
     for (std::size_t i = 0; i < sum.size(); ++i) p.channel[c][i] = sum[i] / weight[i];
   }
 }

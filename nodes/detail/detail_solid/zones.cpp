@@ -94,20 +94,21 @@ Threshold threshold_of(std::vector<float> values) {
   return best;
 }
 
-// Levels at i + ½ pixels from the outline; distances with few pixels share one. The blur of an outline looks
-// like the light zone, so no pixel within it counts.
-std::vector<float> levels_of(const Phases& p, const std::vector<float>& depth, double softness) {
+// Levels where `place` is i + ½ pixels, from places within a quarter of it, and more if these have few
+// pixels. The blur of an outline looks like the light zone, so no pixel within it counts.
+std::vector<float> levels_of(const Phases& p, const std::vector<float>& place,
+                             const std::vector<float>& depth, double softness) {
   std::vector<double> low(kLevels, 0), all(kLevels, 0);
   for (std::size_t i = 0; i < p.zone.size(); ++i)
     if (p.zone[i] > 0 && depth[i] > 1 + 2.5 * softness) {
-      const std::size_t k = std::min(depth[i], kLevels - 1.0f);
+      const std::size_t k = std::min(place[i], kLevels - 1.0f);
       low[k] += p.zone[i] == 1;
       ++all[k];
     }
   std::vector<float> levels(kLevels, 0.0f);
   for (std::size_t k = 0; k < levels.size(); ++k) {
     double l = low[k], a = all[k];
-    for (std::size_t d = 1; a < kLeastInBin && d < levels.size(); ++d) {
+    for (std::size_t d = 1; (a < kLeastInBin || 4 * d <= k) && d < levels.size(); ++d) {
       if (k >= d) {
         l += low[k - d];
         a += all[k - d];
@@ -123,7 +124,7 @@ std::vector<float> levels_of(const Phases& p, const std::vector<float>& depth, d
 }
 
 // The field's correlation at each of kApart: that which makes two pixels dark as often as in the photograph.
-std::vector<double> correlations(const Phases& p, const std::vector<float>& depth,
+std::vector<double> correlations(const Phases& p, const std::vector<float>& width,
                                  const std::vector<float>& levels, std::uint64_t seed) {
   std::vector<std::size_t> used;
   for (std::size_t i = 0; i < p.zone.size(); ++i)
@@ -144,7 +145,7 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
       if (p.zone[j] == 0) continue;
       both += p.zone[i] == 1 && p.zone[j] == 1;
       ++pairs;
-      const double a = Detail::at_distance(levels, depth[i]), b = Detail::at_distance(levels, depth[j]);
+      const double a = Detail::at_distance(levels, width[i]), b = Detail::at_distance(levels, width[j]);
       double sum = share_below(a) * share_below(b);
       expected[0] += sum;
       for (int k = 1; k <= kSteps; ++k) {  // the bivariate normal density, integrated over the correlation
@@ -164,6 +165,15 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& dept
   return out;
 }
 
+std::vector<float> widths_of(const Phases& p, const Labels& labels) {
+  std::vector<float> all;
+  for (int s = 0; s < p.sections; ++s) {
+    const auto one = residual::binder_width(&labels.ids[s * p.plane()], p.width, p.height, false);
+    all.insert(all.end(), one.begin(), one.end());
+  }
+  return all;
+}
+
 // Marks the pixels near an edge between zones in one section.
 std::vector<std::uint8_t> near_edges(const Phases& p, std::size_t first) {
   cv::Mat dark(p.height, p.width, CV_8U, cv::Scalar(0)), light = dark.clone();
@@ -179,23 +189,23 @@ std::vector<std::uint8_t> near_edges(const Phases& p, std::size_t first) {
   return out;
 }
 
-}  // namespace
-
-void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t seed) {
-  if (p.pixels[0] < kEnoughLeft) return;
+// Numbers the zone of each of the binder's pixels. False if there are no two zones.
+bool number_zones(Phases& p) {
   const std::vector<float> lightness = blurred_lightness(p);
   std::vector<float> values;
   for (std::size_t i = 0; i < lightness.size(); ++i)
     if (p.phase[i] == 0) values.push_back(lightness[i]);
   const Threshold threshold = threshold_of(std::move(values));
-  if (threshold.explained < kDistinct || std::min(threshold.below, 1 - threshold.below) < kLeastShare) return;
+  if (threshold.explained < kDistinct || std::min(threshold.below, 1 - threshold.below) < kLeastShare)
+    return false;
   p.zone.assign(p.phase.size(), 0);
   for (std::size_t i = 0; i < lightness.size(); ++i)
     if (p.phase[i] == 0) p.zone[i] = lightness[i] < threshold.value ? 1 : 2;
-  const std::vector<float> depth = outlines_of(p, labels).depth;
-  Detail::Zones zones;
-  zones.level = levels_of(p, depth, detail.softness);
-  const std::vector<double> correlation = correlations(p, depth, zones.level, seed);
+  return true;
+}
+
+// Stores the field whose covariance comes closest. False if it is as fine as grain.
+bool fit_field(const std::vector<double>& correlation, Detail::Zones& zones) {
   Eigen::MatrixXd a(kApart.size(), kWidths.size());
   Eigen::VectorXd b(kApart.size());
   double width = 0;
@@ -211,35 +221,47 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
     b[row] = known ? correlation[i] : 0;
   }
   const Eigen::VectorXd variance = nonnegative_fit(a, b);
-  if (width < kLeastWidth || !(variance.sum() > 0)) {  // grain, not zones
-    p.zone.clear();
-    return;
-  }
+  if (width < kLeastWidth || !(variance.sum() > 0)) return false;
   for (std::size_t k = 0; k < kWidths.size(); ++k)
     if (const double v = variance[k] / variance.sum(); v > 1e-3) {
       zones.sigma.push_back(kWidths[k]);
       zones.variance.push_back(v);
     }
+  return true;
+}
+
+// Medians: what blurs into a zone of air from outlines must not make it gray.
+void find_zone_levels(const Phases& p, const std::vector<std::uint8_t>& between, Detail::Zones& zones) {
+  std::array<std::vector<float>, 2> of_zone[3];  // of each channel
+  for (std::size_t i = 0; i < p.zone.size(); ++i)
+    if (p.zone[i] > 0 && !between[i])
+      for (int c = 0; c < 3; ++c) of_zone[c][p.zone[i] - 1].push_back(p.offset[i][c]);
+  for (int c = 0; c < 3; ++c) {
+    zones.dark[c] = median_or(std::move(of_zone[c][0]), 0);
+    zones.light[c] = median_or(std::move(of_zone[c][1]), 0);
+  }
+}
+
+}  // namespace
+
+void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t seed) {
+  if (p.pixels[0] < kEnoughLeft || !number_zones(p)) return;
+  const std::vector<float> depth = outlines_of(p, labels).depth, width = widths_of(p, labels);
+  Detail::Zones zones;
+  zones.level = levels_of(p, depth, depth, detail.softness);
+  zones.level_by_width = levels_of(p, width, depth, detail.softness);
+  if (!fit_field(correlations(p, width, zones.level_by_width, seed), zones)) {
+    p.zone.clear();
+    return;
+  }
   std::vector<std::uint8_t> between;
   for (int s = 0; s < p.sections; ++s) {
     const auto one = near_edges(p, s * p.plane());
     between.insert(between.end(), one.begin(), one.end());
   }
+  find_zone_levels(p, between, zones);
   std::size_t left = p.pixels[0];
-  std::array<std::vector<float>, 2> of_zone[3];  // of each channel, by zone
-  for (std::size_t i = 0; i < p.zone.size(); ++i) {
-    if (p.zone[i] == 0) continue;
-    if (between[i]) {
-      --left;
-      continue;
-    }
-    for (int c = 0; c < 3; ++c) of_zone[c][p.zone[i] - 1].push_back(p.offset[i][c]);
-  }
-  // Medians: what blurs into a zone of air from outlines must not make it gray.
-  for (int c = 0; c < 3; ++c) {
-    zones.dark[c] = median_or(std::move(of_zone[c][0]), 0);
-    zones.light[c] = median_or(std::move(of_zone[c][1]), 0);
-  }
+  for (std::size_t i = 0; i < p.zone.size(); ++i) left -= p.zone[i] > 0 && between[i];
   for (std::size_t i = 0; i < p.zone.size(); ++i) {
     if (p.zone[i] == 0) continue;
     p.offset[i] -= p.zone[i] == 1 ? zones.dark : zones.light;

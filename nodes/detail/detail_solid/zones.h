@@ -14,9 +14,10 @@ namespace terrazzo::detail_solid {
 // of each pixel's zone out of `phases.offset`, stores a model of the zones in the detail and their numbers
 // (1: dark, 2: light) in `phases.zone`. Pixels between zones are not used any more if enough others are left.
 //
-// The model is a Gaussian field that is cut at a level which depends on the distance from the nearest
-// outline, so that the dark zone has the photograph's share at each distance. The field's covariance is
-// fitted to how often two pixels are both dark, by distance (Quiblier 1984).
+// The model is a Gaussian field that is cut at a level. In pictures it depends on how wide the binder is
+// there, so that air fills wide gaps and mastic narrow ones as in the photograph; where only the distance
+// from the nearest outline is known, on this. The field's covariance is fitted to how often two pixels are
+// both dark, by distance (Quiblier 1984).
 void split_zones(Phases&, const Labels&, Detail&, std::uint64_t seed);
 
 // Divides the offsets by their median deviation in each zone relative to the stronger one, and stores these.

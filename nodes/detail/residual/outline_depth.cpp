@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "nodes/common/geometry/periodic.h"
 #include "nodes/data/indices.h"
 
 namespace terrazzo::residual {
@@ -72,6 +73,37 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
       out.normal[i] = n / std::max(2.0f, n.norm());
     }
   return out;
+}
+
+std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap) {
+  constexpr int kWidest = 64;
+  constexpr double kSmooth = 4;
+  constexpr float kSlack = 1.5f;  // centers are whole pixels, so disks do not quite touch outlines
+  const int margin = wrap ? kWidest : 0, w = width + 2 * margin, h = height + 2 * margin;
+  cv::Mat binder(h, w, CV_8U), depth, near, out(h, w, CV_32F, cv::Scalar(0)), weight(h, w, CV_32F);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t at = pixel_at(wrap_index(x - margin, width), wrap_index(y - margin, height), width);
+      binder.at<std::uint8_t>(y, x) = ids[at] > 0 ? 0 : 255;
+      weight.at<float>(y, x) = ids[at] > 0 ? 0 : 1;
+    }
+  cv::distanceTransform(binder, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+  // Disks of this radius have centers at least as deep.
+  for (int radius = 1; radius <= kWidest; radius += 1 + radius / 8) {
+    const cv::Mat no_center = depth < radius;
+    cv::distanceTransform(no_center, near, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    out.setTo(radius, near < radius + kSlack);
+  }
+  out = out.mul(weight);
+  cv::GaussianBlur(out, out, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(weight, near, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
+  std::vector<float> widths(pixels_in(width, height), 0.0f);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      if (near.at<float>(y + margin, x + margin) > 1e-3f)  // also beside it, for pixels that show both
+        widths[pixel_at(x, y, width)] =
+            out.at<float>(y + margin, x + margin) / near.at<float>(y + margin, x + margin);
+  return widths;
 }
 
 std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double pixel) {

@@ -25,6 +25,11 @@ struct Outlines {
 // distances of at least their diagonal.
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap);
 
+// How wide the binder is at each of its pixels: the radius, in pixels, of the largest disk within it that
+// covers the pixel (local thickness: Hildebrand, Rüegsegger 1997), up to 64, smoothed over four pixels and
+// continued a few pixels into particles; 0 deeper in them. `ids` and `wrap` as above.
+std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap);
+
 // √(4A/π) of the particle of each id, from its pixels; 0 for id 0. `pixel`: root of a pixel's area, in the
 // unit of the sizes.
 std::vector<float> sizes_of_particles(std::span<const std::int32_t> ids, double pixel);

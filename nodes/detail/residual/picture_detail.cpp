@@ -1,5 +1,7 @@
 #include "nodes/detail/residual/picture_detail.h"
 
+#include <opencv2/imgproc.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,27 +10,70 @@
 #include "nodes/detail/residual/residual_field.h"
 
 namespace terrazzo::residual {
+namespace {
+
+// Where a plane's pixels lie.
+class PixelPoints {
+ public:
+  explicit PixelPoints(const PicturePlane& plane) : plane_(plane), normal_(plane.right.cross(plane.up)) {}
+  Vec3f at(int x, std::size_t row) const {
+    const double u = (x + 0.5) * plane_.mm_x,
+                 v = (plane_.height - static_cast<double>(row) - 0.5) * plane_.mm_y;
+    Vec3 point = plane_.origin + u * plane_.right + v * plane_.up;
+    if (!plane_.above.empty())
+      point += double{plane_.above[row * static_cast<std::size_t>(plane_.width) + x]} * normal_;
+    return point.cast<float>();
+  }
+
+ private:
+  const PicturePlane& plane_;
+  Vec3 normal_;
+};
+
+// Share of the binder's dark zone in each pixel, blurred as outlines are. Empty without zones.
+std::vector<float> dark_zones(const PicturePlane& plane, std::span<const std::int32_t> ids,
+                              const ResidualField& detail, const Work& work) {
+  if (!detail.has_zones()) return {};
+  const auto pixel = static_cast<float>(plane.mm_x);
+  std::vector<float> dark = binder_width(ids.data(), plane.width, plane.height, plane.wrap);
+  const PixelPoints points(plane);
+  work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      for (int x = 0; x < plane.width; ++x) {
+        float& width = dark[row * static_cast<std::size_t>(plane.width) + x];
+        width = detail.dark_zone(points.at(x, row), width * pixel);
+      }
+  });
+  if (const double sigma = detail.softness() / plane.mm_x; sigma > 0.2) {
+    constexpr int kMargin = 16;  // of the repeated picture, where edges join
+    cv::Mat picture(plane.height, plane.width, CV_32F, dark.data()), wide;
+    cv::copyMakeBorder(picture, wide, kMargin, kMargin, kMargin, kMargin,
+                       plane.wrap ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
+    cv::GaussianBlur(wide, wide, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
+    wide(cv::Rect(kMargin, kMargin, plane.width, plane.height)).copyTo(picture);
+  }
+  return dark;
+}
+
+}  // namespace
 
 void add_to_picture(Vec3f* pixels, const PicturePlane& plane, std::span<const std::int32_t> ids,
                     std::span<const std::int32_t> owner, std::span<const float> cover,
                     const ResidualField& detail, const Work& work) {
   const Outlines outlines = nearest_outlines(ids.data(), plane.width, plane.height, plane.wrap);
   const std::vector<float> sizes = sizes_of_particles(ids, std::sqrt(plane.mm_x * plane.mm_y));
+  const std::vector<float> dark = dark_zones(plane, ids, detail, work);
   const float pixel = plane.mm_x;
   const Vec3f right = plane.right.cast<float>(), up = plane.up.cast<float>();
-  const Vec3 normal = plane.right.cross(plane.up);
+  const PixelPoints points(plane);
   work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
       for (int x = 0; x < plane.width; ++x) {
         const std::size_t at = row * static_cast<std::size_t>(plane.width) + x;
-        const double u = (x + 0.5) * plane.mm_x,
-                     v = (plane.height - static_cast<double>(row) - 0.5) * plane.mm_y;
-        Vec3 point = plane.origin + u * plane.right + v * plane.up;
-        if (!plane.above.empty()) point += double{plane.above[at]} * normal;
-        const Vec3f mm = point.cast<float>();
+        const Vec3f mm = points.at(x, row);
         const float share = std::min(cover[at], 1.0f), depth = outlines.depth[at] * pixel,
-                    size = sizes[outlines.particle[at]];
-        const Vec3f offset = detail.mixed(mm, owner[at], share, depth, size) +
+                    size = sizes[outlines.particle[at]], zone = dark.empty() ? -1 : dark[at];
+        const Vec3f offset = detail.mixed(mm, owner[at], share, depth, size, nullptr, zone) +
                              detail.light(mm, owner[at], share, depth, size, outlines.normal[at], right, up);
         pixels[at] = srgb_to_linear((linear_to_srgb(pixels[at]) + offset).cwiseMax(0.0f));
       }

@@ -157,9 +157,10 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     std::vector<float> sigma = zones_.sigma;
     for (float& s : sigma) s *= static_cast<float>(detail.pixel_size);
     waves_ = WaveField(sigma, zones_.variance, particles.box);
-    edge_ =
-        waves_.slope() * static_cast<float>(std::max(detail.softness * detail.pixel_size,
-                                                     kPixelBlur * std::max(footprint, detail.pixel_size)));
+    softness_ = static_cast<float>(detail.softness * detail.pixel_size);
+    const auto pixel = static_cast<float>(kPixelBlur * std::max(footprint, detail.pixel_size));
+    sharp_edge_ = waves_.slope() * pixel;
+    edge_ = waves_.slope() * std::max(softness_, pixel);
   }
   place_particles(detail, particles);
   place_cells(detail.size, detail.pixel_size);
@@ -290,9 +291,13 @@ Vec3f ResidualField::binder(const Vec3f& mm) const {
   return tile.mean + sum / std::sqrt(squares);
 }
 
-float ResidualField::dark_share(const Vec3f& mm, float bins) const {
-  const float below = Detail::at_distance(zones_.level, bins) - waves_.at(mm);
-  return 0.5f * std::erfc(-below / (std::numbers::sqrt2_v<float> * edge_));
+float ResidualField::dark_share(const Vec3f& mm, float level, float edge) const {
+  const float below = level - waves_.at(mm);
+  return 0.5f * std::erfc(-below / (std::numbers::sqrt2_v<float> * edge));
+}
+
+float ResidualField::dark_zone(const Vec3f& mm, float width) const {
+  return dark_share(mm, Detail::at_distance(zones_.level_by_width, width * rims_per_mm_), sharp_edge_);
 }
 
 Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
@@ -313,9 +318,9 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
   return ((1 - t) * part(low) + t * part(low + 1)) / std::sqrt(t * t + (1 - t) * (1 - t));
 }
 
-Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size) const {
+Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size, float dark) const {
   if (!phases_) return plain(mm, particle);
-  const Vec3f offset = by_phase(mm, particle, depth, size);
+  const Vec3f offset = by_phase(mm, particle, depth, size, dark);
   return gray_ ? Vec3f::Constant(offset.mean()) : offset;
 }
 
@@ -323,16 +328,16 @@ float ResidualField::size_of(int particle, float size) const {
   return particle >= 0 && !(size > 0) && phases_ ? shown_[particle] : size;
 }
 
-Vec3f ResidualField::behind(const Vec3f& mm, int particle, float depth, float size) const {
-  return at(mm, -1, depth, size_of(particle, size));
+Vec3f ResidualField::behind(const Vec3f& mm, int particle, float depth, float size, float dark) const {
+  return at(mm, -1, depth, size_of(particle, size), dark);
 }
 
 Vec3f ResidualField::mixed(const Vec3f& mm, int particle, float cover, float depth, float size,
-                           const Vec3f* binder) const {
+                           const Vec3f* binder, float dark) const {
   if (particle < 0) cover = 0;
   Vec3f offset = Vec3f::Zero();
   if (cover > 0) offset += cover * at(mm, particle, depth, size_of(particle, size));
-  if (cover < 1) offset += (1 - cover) * (binder ? *binder : behind(mm, particle, depth, size));
+  if (cover < 1) offset += (1 - cover) * (binder ? *binder : behind(mm, particle, depth, size, dark));
   return offset;
 }
 
@@ -357,14 +362,15 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
   return gray_ ? Vec3f::Constant(sum.mean()) : sum;
 }
 
-Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size) const {
+Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size, float dark) const {
   const float bins = depth * rims_per_mm_;
   const std::size_t p = std::max(particle, 0);
   const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
-  if (particle < 0 && !zones_.level.empty()) {
-    const float dark = dark_share(mm, bins), light = 1 - dark;
+  if (particle < 0 && has_zones()) {
+    if (dark < 0) dark = dark_share(mm, Detail::at_distance(zones_.level, bins), edge_);
+    const float light = 1 - dark;
     return gain * (dark * zones_.dark_contrast + light * zones_.light_contrast) * binder(mm) + rim +
            dark * zones_.dark + light * zones_.light;
   }

@@ -35,16 +35,17 @@ class ResidualField {
   // of space with the box's period. If a tile of ResidualSynth repeats in the box, every particle uses its
   // own part of the tile; in the binder the part changes along smooth surfaces, and parts blend with their
   // variance preserved, so that no repetition shows. `depth`: distance to the nearest outline, mm; `size`: of
-  // the profile that has this outline, √(4A/π), mm, 0 if it is unknown.
-  Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
+  // the profile that has this outline, √(4A/π), mm, 0 if it is unknown; `dark`: share of the binder's dark
+  // zone, −1 to take it from the depth.
+  Vec3f at(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0, float dark = -1) const;
 
   // The offset of a pixel or voxel that the particle covers by `cover`, 0 to 1, and the binder otherwise.
   // `binder`: what behind() returned for the same place, if it is known.
   Vec3f mixed(const Vec3f& mm, int particle, float cover, float depth = 1e9f, float size = 0,
-              const Vec3f* binder = nullptr) const;
+              const Vec3f* binder = nullptr, float dark = -1) const;
   // The binder's offset where a particle, or none if that is −1, covers a part of the voxel. With tiles of
   // each phase it does not depend on colors.
-  Vec3f behind(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0) const;
+  Vec3f behind(const Vec3f& mm, int particle, float depth = 1e9f, float size = 0, float dark = -1) const;
 
   // What the photograph's light adds to such a pixel of a picture. `normal`: of the nearest outline,
   // outwards, to the right and upwards in the picture, whose axes in space are `right` and `up`. Light
@@ -52,7 +53,12 @@ class ResidualField {
   Vec3f light(const Vec3f& mm, int particle, float cover, float depth, float size,
               const Eigen::Vector2f& normal, const Vec3f& right, const Vec3f& up) const;
 
-  Vec3 scale() const { return scale_; }  // as used, relative to the residual's own
+  bool has_zones() const { return !zones_.level.empty(); }
+  // 1 in the binder's dark zone and 0 in the light one, with edges as sharp as pixels; in pictures, of which
+  // binder_width is known (here in mm).
+  float dark_zone(const Vec3f& mm, float width) const;
+  float softness() const { return softness_; }  // standard deviation of the photograph's blur, mm
+  Vec3 scale() const { return scale_; }         // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }
 
  private:
@@ -73,10 +79,10 @@ class ResidualField {
   };
   float size_of(int particle, float size) const;  // of the profile, if it is unknown
   Vec3f plain(const Vec3f& mm, int particle) const;
-  Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size) const;
+  Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size, float dark) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
-  float dark_share(const Vec3f& mm, float bins) const;  // of the binder's dark zone
+  float dark_share(const Vec3f& mm, float level, float edge) const;  // of the binder's dark zone
   void add_tile(std::vector<Vec3f> values, const Vec3i& size, double footprint, Keep, const Work&);
   void place_particles(const Detail&, const Particles&);
   void place_cells(int size, double voxel);
@@ -100,7 +106,8 @@ class ResidualField {
   float rims_per_mm_ = 1;
   Detail::Zones zones_;
   WaveField waves_;
-  float edge_ = 0;  // of zones: how much the field changes over an edge's blur
+  float softness_ = 0;
+  float edge_ = 0, sharp_edge_ = 0;  // of zones: how much the field changes over the blur of an edge, a pixel
 };
 
 }  // namespace terrazzo::residual

@@ -12,10 +12,12 @@
 #include "nodes/detail/residual/wave_field.h"
 #include "runtime/random.h"
 #include "tests/nodes/detail/detail_solid/drawn_picture.h"
+#include "tests/support/run_node.h"
 
 namespace terrazzo {
 namespace {
 using namespace detail_solid;
+using test::run_node;
 
 constexpr int kEdge = 320;
 
@@ -102,7 +104,24 @@ TEST(CameraNoise, FollowsLightness) {
   EXPECT_NEAR(at(0.3f), 0.02f, 0.003f);
 }
 
-// Whether the picture was taken as it is.
+TEST(CameraNoise, IsTheSameForAnyNumberOfThreads) {
+  const auto drawn = noisy_disks([](int) { return 0.03f; });
+  std::vector<std::vector<char>> bytes;
+  for (int threads : {1, 2, 7}) {
+    const auto run =
+        run_node("DetailSolid", {{"image", Value::of(drawn.image)}, {"labels", Value::of(drawn.labels)}},
+                 {{"size", "16"}}, {}, threads);
+    EXPECT_FALSE(run.outputs.at("detail").as<Detail>().noise.gray.empty());
+    BufferWriter writer;
+    const Value& detail = run.outputs.at("detail");
+    detail.type().encode(detail.data(), writer);
+    bytes.push_back(writer.buffer);
+  }
+  EXPECT_TRUE(bytes[1] == bytes[0]);
+  EXPECT_TRUE(bytes[2] == bytes[0]);
+}
+
+// Whether the picture stays as it is.
 bool keeps(const test::DrawnPicture& drawn) {
   Image image = drawn.image;
   return split_noise(image, drawn.labels, nullptr, 0, true).gray.empty() &&

@@ -77,6 +77,30 @@ TEST(DetailZones, LevelsDependOnTheDistance) {
   EXPECT_GT(s.detail.zones.level[25], 1.5f);
 }
 
+// Air in gaps wider than the mastic reaches, whatever the distance from the disks.
+TEST(DetailZones, LevelsDependOnTheWidth) {
+  // Columns of disks of radius 50 lie 20 pixels apart, rows a whole column: narrow and wide gaps.
+  const auto drawn = test::draw_disks(480, 120, 50, [&](int x, int y, int id) {
+    const bool wide = y % 240 >= 120;
+    return Vec3f(Vec3f::Constant((id ? 0.9f : wide ? 0.2f : 0.6f) + 0.02f * noise(x, y)));
+  });
+  Labels labels = drawn.labels;
+  for (std::size_t i = 0; i < labels.ids.size(); ++i)
+    if (i / 480 % 240 >= 120) labels.ids[i] = 0;  // no disks in every second row
+  Image image = drawn.image;
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    if (i / 480 % 240 >= 120) image.pixels[i] = srgb_to_linear(Vec3f::Constant(0.2f));
+  PhaseOptions choice;
+  choice.specks = 0;
+  Phases phases = find_phases(image, labels, choice);
+  Detail detail;
+  detail.phases.resize(phases.pixels.size());
+  split_zones(phases, labels, detail, 1);
+  ASSERT_FALSE(detail.zones.level.empty());
+  EXPECT_LT(detail.zones.level_by_width[10], -0.5f);
+  EXPECT_GT(detail.zones.level_by_width[60], 0.5f);
+}
+
 TEST(DetailZones, GrainAndSmoothChangesAreNone) {
   // Noise of one level.
   EXPECT_TRUE(split([](int x, int y, int id) {

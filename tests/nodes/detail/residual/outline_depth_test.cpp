@@ -1,0 +1,50 @@
+#include "nodes/detail/residual/outline_depth.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "nodes/data/indices.h"
+
+namespace terrazzo {
+namespace {
+
+// Bars across x, with binder between them: 6 pixels wide, then 30.
+std::vector<std::int32_t> bars(int width, int height) {
+  std::vector<std::int32_t> ids(pixels_in(width, height), 0);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const int at = x % 56;
+      ids[pixel_at(x, y, width)] = at < 10 ? 1 : at < 16 ? 0 : at < 26 ? 2 : 0;
+    }
+  return ids;
+}
+
+TEST(BinderWidth, IsHalfTheGapAllOverIt) {
+  const int width = 112, height = 90;
+  const std::vector<float> w = residual::binder_width(bars(width, height).data(), width, height, true);
+  const auto at = [&](int x, int y) { return w[pixel_at(x, y, width)]; };
+  for (const int y : {3, 45, 88}) {
+    for (int x = 10; x < 16; ++x) EXPECT_NEAR(at(x, y), 3, 1) << x;
+    for (int x = 30; x < 52; ++x) EXPECT_NEAR(at(x, y), 15, 2) << x;
+    EXPECT_EQ(at(5, y), at(5, 45)) << "all rows are alike";
+  }
+}
+
+TEST(BinderWidth, WithoutParticlesIsTheWidest) {
+  const std::vector<std::int32_t> none(pixels_in(40, 30), 0);
+  for (const float w : residual::binder_width(none.data(), 40, 30, false)) EXPECT_NEAR(w, 64, 8);
+}
+
+// The binder goes on beyond the edges of a tile.
+TEST(BinderWidth, GoesOnAcrossTheEdgesOfATile) {
+  std::vector<std::int32_t> ids(pixels_in(60, 60), 0);
+  for (int y = 0; y < 60; ++y)
+    for (int x = 20; x < 40; ++x) ids[pixel_at(x, y, 60)] = 1;
+  const auto w = residual::binder_width(ids.data(), 60, 60, true);
+  EXPECT_NEAR(w[pixel_at(0, 30, 60)], 20, 2.5);
+  EXPECT_NEAR(w[pixel_at(0, 30, 60)], w[pixel_at(59, 30, 60)], 1e-3);
+}
+
+}  // namespace
+}  // namespace terrazzo
