@@ -28,12 +28,12 @@ function useOutputs(): Outputs | null {
 // The formats of a value, the usual one first.
 const formats: Record<string, string[]> = {
   Image: ['png', 'jpg', 'tif', 'exr', 'hdr'], Labels: ['png', 'tif', 'exr'], Table: ['csv', 'json'], Profiles: ['csv', 'json'], SizeDistribution: ['csv', 'json'],
-  KMatrix: ['csv', 'json'], Particles: ['glb', 'usda', 'xml', 'pbrt', 'csv', 'json'], Shapes: ['glb', 'obj', 'ply', 'stl', 'usda'],
-  Volume: ['vdb', 'nvdb', 'vti', 'dream3d', 'nii.gz', 'npy', 'inp', 'stl', 'msh'],
+  KMatrix: ['csv', 'json'], Particles: ['glb', 'usda', 'xml', 'pbrt', 'lmp', 'csv', 'json'], Shapes: ['glb', 'obj', 'ply', 'stl', 'usda'],
+  Volume: ['vdb', 'nvdb', 'vti', 'vtu', 'dream3d', 'nii.gz', 'npy', 'inp', 'tesr', 'foam', 'stl', 'msh'],
 };
 const titles: Record<string, string> = {
-  glb: 'glTF', usda: 'OpenUSD', xml: 'Mitsuba 3', pbrt: 'pbrt-v4', vdb: 'OpenVDB', nvdb: 'NanoVDB', vti: 'VTK', dream3d: 'DREAM.3D', 'nii.gz': 'NIfTI',
-  npy: 'NumPy', inp: 'Abaqus', msh: 'Gmsh', exr: 'OpenEXR', mtlx: 'MaterialX',
+  glb: 'glTF', usda: 'OpenUSD', xml: 'Mitsuba 3', pbrt: 'pbrt-v4', vdb: 'OpenVDB', nvdb: 'NanoVDB', vti: 'VTK', vtu: 'VTK mesh', dream3d: 'DREAM.3D', 'nii.gz': 'NIfTI',
+  npy: 'NumPy', inp: 'Abaqus', tesr: 'Neper', foam: 'OpenFOAM', lmp: 'LAMMPS', msh: 'Gmsh', exr: 'OpenEXR', mtlx: 'MaterialX',
 };
 export const formatOf = (path: string) => /\.(nii\.gz|[^./]+)$/.exec(path)?.[1] ?? '';
 
