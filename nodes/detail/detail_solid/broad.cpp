@@ -74,17 +74,20 @@ void blur_labels(const Phases& phases, const Labels& labels, double sigma, const
   }
 }
 
-// Robust standard deviations of each phase's offsets from `broad`, at least a step of 8 bits.
+// Robust standard deviations of each phase's offsets from `broad`, at least a step of 8 bits, and at least
+// the noise that was taken out: in the photograph, nothing weaker stands out.
 std::vector<Vec3f> deviations(const Phases& p, const std::vector<Vec3f>& broad) {
   std::vector<Vec3f> out(p.pixels.size(), Vec3f::Zero());
   std::vector<float> v;
-  for (std::size_t phase = 0; phase < out.size(); ++phase)
+  for (std::size_t phase = 0; phase < out.size(); ++phase) {
+    const float least = p.noise.empty() ? 0.004f : std::max(0.004f, p.noise[phase]);
     for (int c = 0; c < 3; ++c) {
       v.clear();
       for (std::size_t i = 0; i < p.phase.size(); ++i)
         if (p.phase[i] == static_cast<int>(phase)) v.push_back(std::abs(p.offset[i][c] - broad[i][c]));
-      out[phase][c] = v.empty() ? 0 : std::max(1.4826f * median(v), 0.004f);
+      out[phase][c] = v.empty() ? 0 : std::max(1.4826f * median(v), least);
     }
+  }
   return out;
 }
 

@@ -78,6 +78,18 @@ void keep_surface(const Context& c, const Image& image, const Labels& labels, co
   detail.tones = find_tones(image, mask, profiles);
 }
 
+// In the unit of offsets, which those of particles have divided by their scale. The binder may have zones, so
+// that its color alone does not tell its noise.
+std::vector<float> noise_of_phases(const Detail::Noise& noise, const Phases& phases) {
+  std::vector<float> out{*std::max_element(noise.gray.begin(), noise.gray.end())};
+  for (const Vec3f& color : phases.group_color) {
+    const Vec3f encoded = linear_to_srgb(color);
+    const float light = encoded.mean() * static_cast<float>(noise.gray.size());
+    out.push_back(Detail::at_distance(noise.gray, light) / Detail::particle_scale(encoded));
+  }
+  return out;
+}
+
 // Takes the camera's noise from a copy of the photograph and returns it. Nothing of surfaces, whose skins and
 // soil are shown as they were photographed.
 Image without_noise(Context& c, const Image& image, const Labels& labels, const Labels* mask,
@@ -118,6 +130,7 @@ void compute(Context& c) {
   choice.mask = mask;
   choice.seed = c.seed();
   Phases phases = find_phases(image, labels, choice, c.work().part(0.02, 0.03));
+  if (!detail.noise.gray.empty()) phases.noise = noise_of_phases(detail.noise, phases);
   c.metric("groups", phases.group_color.size());
   c.metric("outliers", phases.outliers);
   detail.phases.resize(phases.pixels.size());

@@ -22,8 +22,10 @@ struct Phases {
   std::vector<Vec3f> group_color;  // of groups 1, 2 …; mean of their profiles' colors by area, scene-linear
   std::vector<Vec3f> profile_color;  // of label k at k − 1; median, zero without used pixels; scene-linear
   std::vector<std::size_t> pixels;   // used pixels of each phase
-  std::vector<std::int8_t> zone;     // of the binder's pixels, see zones.h; 0 elsewhere; empty without zones
-  double outliers = 0;  // fraction of the binder's pixels that are particles missed by the labels
+  // Deviation of the camera's noise that was taken out, in the unit of each phase's offsets; empty: none.
+  std::vector<float> noise;
+  std::vector<std::int8_t> zone;  // of the binder's pixels, see zones.h; 0 elsewhere; empty without zones
+  double outliers = 0;            // fraction of the binder's pixels that are particles missed by the labels
 
   std::size_t plane() const { return pixels_in(width, height); }
 };
