@@ -77,6 +77,10 @@ Detail::Skin decode_skin(Reader& r) {
   return skin;
 }
 
+bool finite(const std::vector<float>& values) {
+  return std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
+}
+
 Detail::Noise decode_noise(Reader& r) {
   Detail::Noise noise;
   noise.gray = r.array<float>();
@@ -86,8 +90,9 @@ Detail::Noise decode_noise(Reader& r) {
   constexpr int kSide = 2 * Detail::Noise::kReach + 1;
   for (const auto& [deviation, kernel] :
        {std::pair(&noise.gray, &noise.gray_kernel), {&noise.chroma, &noise.chroma_kernel}})
-    if (kernel->size() != (deviation->empty() ? 0 : pixels_in(kSide, kSide)))
-      throw Error("damaged", "the stored detail has noise with a kernel of the wrong size");
+    if (kernel->size() != (deviation->empty() ? 0 : pixels_in(kSide, kSide)) || !finite(*deviation) ||
+        !finite(*kernel))
+      throw Error("damaged", "the stored detail has noise that is no noise");
   return noise;
 }
 

@@ -149,7 +149,7 @@ namespace terrazzo {
 
 NodeType section_node() {
   using namespace section;
-  return NodeType("Section", 8)
+  return NodeType("Section", 9)
       .doc_(
           "Cuts a packing or a volume with planes into an image, labels and profiles. Planes across an axis "
           "show one whole period. Random planes are isotropic and uniform, as stereology requires.")

@@ -90,17 +90,18 @@ std::vector<float> noise_of_phases(const Detail::Noise& noise, const Phases& pha
   return out;
 }
 
-// Takes the camera's noise from a copy of the photograph and returns it. Nothing of surfaces, whose skins and
-// soil are shown as they were photographed.
-Image without_noise(Context& c, const Image& image, const Labels& labels, const Labels* mask,
-                    const Profiles* profiles, Detail& detail) {
-  Image clean = image;
-  if (c.boolean("noise") && !(profiles && profiles->view == View::Surface))
+// Measures the camera's noise, if there is any, and gives `clean` the photograph without it. Not of surfaces,
+// whose skins and soil are shown as they were photographed.
+void take_out_noise(Context& c, const Image& photograph, const Labels& labels, const Labels* mask,
+                    const Profiles* profiles, Detail& detail, Image& clean) {
+  if (c.boolean("noise") && !(profiles && profiles->view == View::Surface)) {
+    clean = photograph;
     detail.noise = split_noise(clean, labels, mask, detail.softness, detail.gray, c.work().part(0, 0.02));
+    if (detail.noise.gray.empty()) clean = {};
+  }
   double sum = 0;
   for (const float d : detail.noise.gray) sum += d / detail.noise.gray.size();
   c.metric("noise", sum);
-  return clean;
 }
 
 void compute(Context& c) {
@@ -119,7 +120,9 @@ void compute(Context& c) {
                             [](const Vec3f& v) { return v.maxCoeff() - v.minCoeff() < 1e-6f; });
   detail.softness = outline_softness(photograph, labels);
   c.metric("softness", detail.softness);
-  const Image image = without_noise(c, photograph, labels, mask, profiles, detail);
+  Image clean;
+  take_out_noise(c, photograph, labels, mask, profiles, detail, clean);
+  const Image& image = clean.pixels.empty() ? photograph : clean;
   PhaseOptions choice;
   choice.edge = c.integer("edge");
   choice.softness = detail.softness;
@@ -134,7 +137,7 @@ void compute(Context& c) {
   c.metric("groups", phases.group_color.size());
   c.metric("outliers", phases.outliers);
   detail.phases.resize(phases.pixels.size());
-  split_zones(phases, labels, detail, choice.seed);
+  split_zones(phases, labels, detail, choice.seed, c.work().quiet());
   c.metric("zones", detail.zones.level.empty() ? 1 : 2);
   split_rims(phases, labels, detail);
   if (c.boolean("light")) split_light(phases, labels, detail);
@@ -168,7 +171,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 12)
+  return NodeType("DetailSolid", 13)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -182,7 +185,8 @@ NodeType detail_solid_node() {
                       "unobserved of Segment")
       .optional_input(
           "profiles", {"Profiles"},
-          "Profiles of the labels. If they show a surface, the outside of each stone is kept for View")
+          "Profiles of the labels, whose binder color the binder's offsets refer to. If they show a surface, "
+          "the outside of each stone is kept for View")
       .optional_input("volume", {"Volume"},
                       "Solid without detail, from Voxelize: its grids Cd, id and density")
       .output("volume", "Volume", "The solid with detail in its grid Cd. Empty without a volume")
@@ -215,7 +219,7 @@ NodeType detail_solid_node() {
       .parameter(Parameter::boolean("noise", true)
                      .doc_("Measure the camera's noise, which is alike in all places, apart from the grain "
                            "of the material. Pictures of Section, View and Repaint show it; volumes and "
-                           "rendered solids do not contain it."))
+                           "rendered solids do not contain it. Surfaces keep theirs."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

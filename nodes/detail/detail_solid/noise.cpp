@@ -29,6 +29,7 @@ constexpr double kFine = 0.5;
 constexpr float kMostChange = 4;  // of its variance between two levels that are not black or white
 constexpr float kLeastDeviation = 0.5f / 255;  // half a step of 8 bits
 constexpr float kThreshold = 3.2f;             // of coefficients, in deviations
+constexpr std::size_t kCheck = 1 << 20;        // pixels between checks for cancellation
 constexpr int kFar = Detail::Noise::kReach;
 
 using Block = Eigen::Matrix<float, kBlock, kBlock, Eigen::RowMajor>;
@@ -99,7 +100,7 @@ float energy_of(const Block& c) {
 }
 
 Plane plane_of(const Image& image, const Labels& labels, const Labels* mask, int section, bool gray,
-               double softness) {
+               double softness, const Work& work) {
   Plane p;
   p.width = image.width;
   p.height = image.height;
@@ -109,6 +110,7 @@ Plane plane_of(const Image& image, const Labels& labels, const Labels* mask, int
   p.place.assign(pixels, 0);
   const auto depth = residual::outline_depth(&labels.ids[first], p.width, p.height, false);
   for (std::size_t i = 0; i < pixels; ++i) {
+    if (i % kCheck == 0) work.check();
     const Vec3f v = channel_axes() * linear_to_srgb(image.pixels[first + i].cwiseMax(0.0f));
     for (int c = 0; c < p.channels(); ++c) p.channel[c][i] = v[c];
     if (depth[i] > 1 + 2 * softness && !(mask && mask->ids[first + i] != 0))
@@ -117,7 +119,9 @@ Plane plane_of(const Image& image, const Labels& labels, const Labels* mask, int
   return p;
 }
 
-int level_of(float lightness) { return std::clamp(static_cast<int>(lightness * kLevels), 0, kLevels - 1); }
+int level_of(float lightness) {
+  return std::min(static_cast<int>(std::clamp(lightness, 0.0f, 1.0f) * kLevels), kLevels - 1);
+}
 
 // The noise's variance in each coefficient, by lightness: strength[level] · spectrum.
 struct Strength {
@@ -146,6 +150,26 @@ struct Sample {
   float energy;
   int level;
 };
+
+// Blotches of the material are coarse. At wavelengths above 8 pixels, the noise counts as at most twice as
+// strong as just below.
+void limit_coarse(Block& spectrum) {
+  constexpr double kCoarse = 2.0 * kBlock / 8, kNext = 1.5 * kCoarse;
+  double sum = 0, count = 0;
+  const auto each = [&](auto&& use) {
+    for (int v = 0; v < kBlock; ++v)
+      for (int u = 0; u < kBlock; ++u) use(std::hypot(u, v), spectrum(v, u));
+  };
+  each([&](double frequency, float power) {
+    if (frequency < kCoarse || frequency >= kNext) return;
+    sum += power;
+    ++count;
+  });
+  const float limit = 2 * sum / count;
+  each([&](double frequency, float& power) {
+    if (frequency < kCoarse) power = std::min(power, limit);
+  });
+}
 
 // Of the power at wavelengths below 8 pixels, without the mean.
 double fine_share(const Block& spectrum) {
@@ -213,6 +237,7 @@ Strength strength_of(const std::vector<Sample>& samples) {
   if (least > 0) out.change = most / least;
   fill_levels(out.at, known);
   out.fine = fine_share(out.spectrum);
+  limit_coarse(out.spectrum);
   out.known = true;
   return out;
 }
@@ -222,15 +247,18 @@ std::array<Strength, 3> strengths_of(const std::vector<Plane>& planes, const Wor
   std::vector<std::array<int, 3>> places;
   for (std::size_t s = 0; s < planes.size(); ++s) {
     work.check();
-    for (int y = 0; y + kBlock <= planes[s].height; y += kApart)
+    for (int y = 0; y + kBlock <= planes[s].height; y += kApart) {
+      work.check();
       for (int x = 0; x + kBlock <= planes[s].width; x += kApart)
         if (planes[s].even(x, y)) places.push_back({static_cast<int>(s), x, y});
+    }
   }
   const std::size_t every = places.size() / kMostBlocks + 1;
   std::array<Strength, 3> out;
   for (int c = 0; !planes.empty() && c < planes[0].channels(); ++c) {
     std::vector<Sample> samples;
     for (std::size_t i = 0; i < places.size(); i += every) {
+      if (samples.size() % 1024 == 0) work.check();
       const auto& [s, x, y] = places[i];
       const Block b = planes[s].block(c, x, y);
       const float lightness = lightness_of(c == 0 ? b : planes[s].block(0, x, y));
@@ -238,6 +266,7 @@ std::array<Strength, 3> strengths_of(const std::vector<Plane>& planes, const Wor
     }
     work.check();
     out[c] = strength_of(samples);
+    out[c].known = out[c].of_a_camera();
   }
   return out;
 }
@@ -277,7 +306,8 @@ void remove_noise(Plane& p, const std::array<Strength, 3>& strength, const Work&
     std::vector<float> sum(p.place.size(), 0), weight(p.place.size(), 0);
     const auto add_band = [&](std::size_t band) {
       const int from = static_cast<int>(band) * kRows, to = std::min(grid.rows, from + kRows);
-      for (int row = from; row < to; ++row)
+      for (int row = from; row < to; ++row) {
+        work.check();
         for (int column = 0; column < grid.columns; ++column) {
           const int x = grid.x(column), y = grid.y(row);
           Block b = p.block(c, x, y);
@@ -292,24 +322,30 @@ void remove_noise(Plane& p, const std::array<Strength, 3>& strength, const Work&
               weight[pixel_at(x + i, y + j, p.width)] += share;
             }
         }
+      }
     };
     for (const std::size_t first : {0, 1})
       work.parallel((bands + 1 - first) / 2, 1, [&](std::size_t k, std::size_t) { add_band(2 * k + first); });
-    for (std::size_t i = 0; i < sum.size(); ++i) p.channel[c][i] = sum[i] / weight[i];
+    for (std::size_t i = 0; i < sum.size(); ++i) {
+      if (i % kCheck == 0) work.check();
+      p.channel[c][i] = sum[i] / weight[i];
+    }
   }
 }
 
 // Deviations of the noise by lightness. `noise`: what was removed from the planes.
 std::vector<float> deviations_of(const std::vector<Plane>& clean, const std::vector<Channels>& noise,
-                                 int from, int to) {
+                                 int from, int to, const Work& work) {
   std::array<float, kLevels> at{};
   std::array<bool, kLevels> known{};
   for (int c = from; c < to; ++c) {
     std::array<std::vector<float>, kLevels> size;
     for (std::size_t s = 0; s < clean.size(); ++s)
-      for (std::size_t i = 0; i < clean[s].place.size(); ++i)
+      for (std::size_t i = 0; i < clean[s].place.size(); ++i) {
+        if (i % kCheck == 0) work.check();
         if (clean[s].place[i] > 0)
           size[level_of(clean[s].channel[0][i] / std::sqrt(3.0f))].push_back(std::abs(noise[s][c][i]));
+      }
     for (int k = 0; k < kLevels; ++k) {
       known[k] = size[k].size() >= kLeastAtLevel * kBlock * kBlock;
       constexpr float kMedian = 0.6745f;  // of a normal variable's size; faint grain hardly moves it
@@ -391,10 +427,10 @@ Detail::Noise split_noise(Image& image, const Labels& labels, const Labels* mask
   std::vector<Plane> planes;
   for (int s = 0; s < image.sections; ++s) {
     work.check();
-    planes.push_back(plane_of(image, labels, mask, s, gray, softness));
+    planes.push_back(plane_of(image, labels, mask, s, gray, softness, work));
   }
   const std::array<Strength, 3> strength = strengths_of(planes, work.part(0, 0.2));
-  if (!strength[0].of_a_camera()) return {};
+  if (!strength[0].known) return {};
   std::vector<Channels> noise;
   for (Plane& p : planes) {
     noise.push_back(p.channel);
@@ -403,10 +439,10 @@ Detail::Noise split_noise(Image& image, const Labels& labels, const Labels* mask
       for (std::size_t i = 0; i < p.place.size(); ++i) noise.back()[c][i] -= p.channel[c][i];
   }
   Detail::Noise out;
-  out.gray = deviations_of(planes, noise, 0, 1);
+  out.gray = deviations_of(planes, noise, 0, 1, work);
   out.gray_kernel = kernel_of(planes, noise, out.gray, 0, 1, work);
-  if (!gray) {
-    out.chroma = deviations_of(planes, noise, 1, 3);
+  if (strength[1].known || strength[2].known) {
+    out.chroma = deviations_of(planes, noise, 1, 3, work);
     out.chroma_kernel = kernel_of(planes, noise, out.chroma, 1, 3, work);
   }
   for (float& d : out.gray) d /= std::sqrt(3.0f);  // of the mean of the channels
@@ -414,6 +450,7 @@ Detail::Noise split_noise(Image& image, const Labels& labels, const Labels* mask
   const std::size_t pixels = pixels_in(image.width, image.height);
   for (std::size_t s = 0; s < planes.size(); ++s)
     for (std::size_t i = 0; i < pixels; ++i) {
+      if (i % kCheck == 0) work.check();
       Vec3f v = Vec3f::Zero();
       for (int c = 0; c < planes[s].channels(); ++c) v[c] = planes[s].channel[c][i];
       image.pixels[s * pixels + i] = srgb_to_linear((channel_axes().transpose() * v).cwiseMax(0.0f));

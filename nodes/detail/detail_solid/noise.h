@@ -13,8 +13,9 @@ namespace terrazzo::detail_solid {
 //   little as blocks of Gaussian noise with the same spectrum;
 // - fine: at least half of its power has wavelengths below 8 pixels;
 // - alike at all lightnesses but black and white: its deviation changes by a factor of at most 2.
-// The grain of a material seldom is all of this. Without such noise, or with fewer than 200 blocks, the model
-// is empty and the photograph stays as it is.
+// The grain of a material seldom is all of this. Chroma must be so too, or keeps its grain. Coarse grain
+// behind the noise stays for the most part. Without such noise, or with too few blocks (200 of middle
+// strength), the model is empty and the photograph stays as it is.
 //
 // The noise is what remains after small coefficients of a sliding 16 × 16 cosine transform are set to zero
 // (Yu, Sapiro 2011). `softness`: of outlines, pixels; `mask`: not 0 where pixels teach nothing, may be null;

@@ -165,10 +165,10 @@ std::vector<double> correlations(const Phases& p, const std::vector<float>& widt
   return out;
 }
 
-std::vector<float> widths_of(const Phases& p, const Labels& labels) {
+std::vector<float> widths_of(const Phases& p, const Labels& labels, const Work& work) {
   std::vector<float> all;
   for (int s = 0; s < p.sections; ++s) {
-    const auto one = residual::binder_width(&labels.ids[s * p.plane()], p.width, p.height, false);
+    const auto one = residual::binder_width(&labels.ids[s * p.plane()], p.width, p.height, false, 1, work);
     all.insert(all.end(), one.begin(), one.end());
   }
   return all;
@@ -244,9 +244,9 @@ void find_zone_levels(const Phases& p, const std::vector<std::uint8_t>& between,
 
 }  // namespace
 
-void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t seed) {
+void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t seed, const Work& work) {
   if (p.pixels[0] < kEnoughLeft || !number_zones(p)) return;
-  const std::vector<float> depth = outlines_of(p, labels).depth, width = widths_of(p, labels);
+  const std::vector<float> depth = outlines_of(p, labels).depth, width = widths_of(p, labels, work);
   Detail::Zones zones;
   zones.level = levels_of(p, depth, depth, detail.softness);
   zones.level_by_width = levels_of(p, width, depth, detail.softness);

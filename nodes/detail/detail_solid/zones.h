@@ -6,6 +6,7 @@
 #include "nodes/data/detail.h"
 #include "nodes/data/labels.h"
 #include "nodes/detail/detail_solid/phases.h"
+#include "runtime/work.h"
 
 namespace terrazzo::detail_solid {
 
@@ -18,10 +19,11 @@ namespace terrazzo::detail_solid {
 // there, so that air fills wide gaps and mastic narrow ones as in the photograph; where only the distance
 // from the nearest outline is known, on this. The field's covariance is fitted to how often two pixels are
 // both dark, by distance (Quiblier 1984).
-void split_zones(Phases&, const Labels&, Detail&, std::uint64_t seed);
+void split_zones(Phases&, const Labels&, Detail&, std::uint64_t seed, const Work& = {});
 
 // Divides the offsets by their median deviation in each zone relative to the stronger one, and stores these.
-// Pixels of a zone with less than 0.3 of the other's, such as air, are not used any more.
+// Pixels of a zone with less than 0.3 of the other's, such as air, are not used any more if the other has
+// 4,000.
 void split_zone_contrasts(Phases&, Detail&);
 
 }  // namespace terrazzo::detail_solid

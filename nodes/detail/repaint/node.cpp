@@ -17,7 +17,7 @@ namespace terrazzo {
 
 NodeType repaint_node() {
   using namespace repaint;
-  return NodeType("Repaint", 2)
+  return NodeType("Repaint", 3)
       .doc_("Paints a photograph's own profiles and binder in flat colors with synthesized detail")
       .input("image", "Image", "Photograph with one or more sections")
       .input("labels", "Labels", "Profiles of image")

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kStream = 0x6e6f6973;
 constexpr int kReach = Detail::Noise::kReach, kSide = 2 * kReach + 1;
-constexpr int kRows = 32;  // at a time
+constexpr int kRows = 16;  // at a time
 
 // Rows from `from` to `to` of white noise that is filtered with the kernel. `key`: of the picture and
 // channel.
@@ -46,6 +46,25 @@ std::vector<float> filtered_rows(const std::vector<float>& kernel, int width, in
   return out;
 }
 
+// The deviation of means over squares of `edge` pixels of filtered noise; an edge below 1 counts as 1.
+float share_of_means(const std::vector<float>& kernel, double edge) {
+  if (!(edge > 1)) return 1;
+  const auto at = [&](int x, int y) {
+    return x < 0 || y < 0 || x >= kSide || y >= kSide ? 0.0 : double{kernel[pixel_at(x, y, kSide)]};
+  };
+  double variance = 0;
+  for (int dy = 1 - kSide; dy < kSide; ++dy)
+    for (int dx = 1 - kSide; dx < kSide; ++dx) {
+      const double both = std::max(0.0, 1 - std::abs(dx) / edge) * std::max(0.0, 1 - std::abs(dy) / edge);
+      if (!(both > 0)) continue;
+      double covariance = 0;
+      for (int y = 0; y < kSide; ++y)
+        for (int x = 0; x < kSide; ++x) covariance += at(x, y) * at(x + dx, y + dy);
+      variance += both * covariance;
+    }
+  return std::sqrt(std::max(0.0, variance)) / edge;
+}
+
 }  // namespace
 
 Camera camera_of(const Detail& detail, std::uint64_t seed) {
@@ -56,7 +75,9 @@ void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, co
                std::uint64_t picture, const Work& work) {
   const Detail::Noise* noise = camera.noise;
   if (!noise || noise->gray.empty()) return;
-  const float share = std::min(1.0, camera.noise_pixel / pixel);  // as the mean of several pixels has
+  const double edge = pixel / camera.noise_pixel;
+  const float share = share_of_means(noise->gray_kernel, edge),
+              chroma_share = noise->chroma.empty() ? 0 : share_of_means(noise->chroma_kernel, edge);
   const Vec3f axes[2] = {Vec3f(1, 0, -1).normalized(), Vec3f(1, -2, 1).normalized()};
   const std::uint64_t key = mix64(camera.seed ^ kStream) + 3 * picture;
   work.quiet().parallel((height + kRows - 1) / kRows, 1, [&](std::size_t band, std::size_t) {
@@ -73,11 +94,12 @@ void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, co
       Vec3f encoded = linear_to_srgb(v);
       const float light = encoded.mean();
       const auto deviation = [&](const std::vector<float>& of) {
-        return share * Detail::at_distance(of, light * static_cast<float>(of.size()));
+        return Detail::at_distance(of, light * static_cast<float>(of.size()));
       };
-      encoded.array() += deviation(noise->gray) * gray[i];
+      encoded.array() += share * deviation(noise->gray) * gray[i];
       if (!noise->chroma.empty())
-        encoded += deviation(noise->chroma) * (chroma[0][i] * axes[0] + chroma[1][i] * axes[1]);
+        encoded +=
+            chroma_share * deviation(noise->chroma) * (chroma[0][i] * axes[0] + chroma[1][i] * axes[1]);
       v = srgb_to_linear(encoded.cwiseMax(0.0f));
     }
   });

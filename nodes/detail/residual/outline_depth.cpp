@@ -75,11 +75,14 @@ Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool w
   return out;
 }
 
-std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap) {
-  constexpr int kWidest = 64;
-  constexpr double kSmooth = 4;
+std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap, double unit,
+                                const Work& work) {
+  const int widest = round_up(64 * unit);
+  const double smooth = 4 * unit;
   constexpr float kSlack = 1.5f;  // centers are whole pixels, so disks do not quite touch outlines
-  const int margin = wrap ? kWidest : 0, w = width + 2 * margin, h = height + 2 * margin;
+  // A disk's center may lie a radius outside, and what bounds it another radius farther.
+  const int margin = wrap ? 2 * widest + round_up(4 * smooth) : 0, w = width + 2 * margin,
+            h = height + 2 * margin;
   cv::Mat binder(h, w, CV_8U), depth, near, out(h, w, CV_32F, cv::Scalar(0)), weight(h, w, CV_32F);
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x) {
@@ -89,14 +92,15 @@ std::vector<float> binder_width(const std::int32_t* ids, int width, int height, 
     }
   cv::distanceTransform(binder, depth, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   // Disks of this radius have centers at least as deep.
-  for (int radius = 1; radius <= kWidest; radius += 1 + radius / 8) {
+  for (int radius = 1; radius <= widest; radius += 1 + radius / 8) {
+    work.check();
     const cv::Mat no_center = depth < radius;
     cv::distanceTransform(no_center, near, cv::DIST_L2, cv::DIST_MASK_PRECISE);
     out.setTo(radius, near < radius + kSlack);
   }
   out = out.mul(weight);
-  cv::GaussianBlur(out, out, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
-  cv::GaussianBlur(weight, near, {0, 0}, kSmooth, kSmooth, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(out, out, {0, 0}, smooth, smooth, cv::BORDER_REPLICATE);
+  cv::GaussianBlur(weight, near, {0, 0}, smooth, smooth, cv::BORDER_REPLICATE);
   std::vector<float> widths(pixels_in(width, height), 0.0f);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)

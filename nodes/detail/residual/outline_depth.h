@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
+#include "runtime/work.h"
 
 namespace terrazzo::residual {
 
@@ -26,9 +27,11 @@ struct Outlines {
 Outlines nearest_outlines(const std::int32_t* ids, int width, int height, bool wrap);
 
 // How wide the binder is at each of its pixels: the radius, in pixels, of the largest disk within it that
-// covers the pixel (local thickness: Hildebrand, Rüegsegger 1997), up to 64, smoothed over four pixels and
-// continued a few pixels into particles; 0 deeper in them. `ids` and `wrap` as above.
-std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap);
+// covers the pixel (local thickness: Hildebrand, Rüegsegger 1997), up to 64 units, smoothed over four units
+// and continued a few into particles; 0 deeper in them. `ids` and `wrap` as above; `unit`: of the
+// photograph's pixels, in pixels of this picture.
+std::vector<float> binder_width(const std::int32_t* ids, int width, int height, bool wrap, double unit = 1,
+                                const Work& = {});
 
 // √(4A/π) of the particle of each id, from its pixels; 0 for id 0. `pixel`: root of a pixel's area, in the
 // unit of the sizes.

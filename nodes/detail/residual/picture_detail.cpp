@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/residual_field.h"
 
@@ -35,7 +36,8 @@ std::vector<float> dark_zones(const PicturePlane& plane, std::span<const std::in
                               const ResidualField& detail, const Work& work) {
   if (!detail.has_zones()) return {};
   const auto pixel = static_cast<float>(plane.mm_x);
-  std::vector<float> dark = binder_width(ids.data(), plane.width, plane.height, plane.wrap);
+  std::vector<float> dark =
+      binder_width(ids.data(), plane.width, plane.height, plane.wrap, detail.pixel() / plane.mm_x, work);
   const PixelPoints points(plane);
   work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row)
@@ -45,12 +47,12 @@ std::vector<float> dark_zones(const PicturePlane& plane, std::span<const std::in
       }
   });
   if (const double sigma = detail.softness() / plane.mm_x; sigma > 0.2) {
-    constexpr int kMargin = 16;  // of the repeated picture, where edges join
+    const int margin = round_up(4 * sigma);  // of the repeated picture, where edges join
     cv::Mat picture(plane.height, plane.width, CV_32F, dark.data()), wide;
-    cv::copyMakeBorder(picture, wide, kMargin, kMargin, kMargin, kMargin,
+    cv::copyMakeBorder(picture, wide, margin, margin, margin, margin,
                        plane.wrap ? cv::BORDER_WRAP : cv::BORDER_REPLICATE);
     cv::GaussianBlur(wide, wide, {0, 0}, sigma, sigma, cv::BORDER_REPLICATE);
-    wide(cv::Rect(kMargin, kMargin, plane.width, plane.height)).copyTo(picture);
+    wide(cv::Rect(margin, margin, plane.width, plane.height)).copyTo(picture);
   }
   return dark;
 }

@@ -57,8 +57,9 @@ class ResidualField {
   // 1 in the binder's dark zone and 0 in the light one, with edges as sharp as pixels; in pictures, of which
   // binder_width is known (here in mm).
   float dark_zone(const Vec3f& mm, float width) const;
-  float softness() const { return softness_; }  // standard deviation of the photograph's blur, mm
-  Vec3 scale() const { return scale_; }         // as used, relative to the residual's own
+  float pixel() const { return 1 / rims_per_mm_; }  // edge of the photograph's, mm
+  float softness() const { return softness_; }      // standard deviation of the photograph's blur, mm
+  Vec3 scale() const { return scale_; }             // as used, relative to the residual's own
   Vec3i periods() const { return periods_; }
 
  private:

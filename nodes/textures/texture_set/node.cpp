@@ -207,7 +207,7 @@ namespace terrazzo {
 
 NodeType texture_set_node() {
   using namespace texture_set;
-  NodeType type("TextureSet", 2);
+  NodeType type("TextureSet", 3);
   type.doc_(
           "Makes the texture maps of a plane through the solid, one period wide, so that they tile exactly: "
           "base "

@@ -6,10 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "nodes/data/particles.h"
+#include "nodes/data/indices.h"
 #include "nodes/detail/residual/camera_noise.h"
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/wave_field.h"
+#include "runtime/codec.h"
 #include "runtime/random.h"
 #include "tests/nodes/detail/detail_solid/drawn_picture.h"
 #include "tests/support/run_node.h"
@@ -183,9 +184,9 @@ TEST(CameraNoise, TilesAndDiffersBetweenPictures) {
   noise.gray_kernel.assign(static_cast<std::size_t>(kSide) * kSide, 1.0f / kSide);  // very broad
   residual::Camera camera;
   camera.noise = &noise;
-  const auto picture = [&](bool wrap, std::uint64_t number, double pixel) {
+  const auto picture = [&](bool wrap, std::uint64_t number) {
     Image out(70, 50, 1, 1, Vec3f::Constant(0.2f));
-    residual::add_noise(out.pixels.data(), 70, 50, pixel, wrap, camera, number, Work());
+    residual::add_noise(out.pixels.data(), 70, 50, 1, wrap, camera, number, Work());
     return out;
   };
   // Neighbors across the edge differ as little as others.
@@ -194,19 +195,123 @@ TEST(CameraNoise, TilesAndDiffersBetweenPictures) {
     for (int y = 0; y < p.height; ++y) sum += std::abs(p.at(a, y).x() - p.at(b, y).x());
     return sum;
   };
-  const Image tile = picture(true, 0, 1), open = picture(false, 0, 1);
+  const Image tile = picture(true, 0), open = picture(false, 0);
   EXPECT_LT(step(tile, 69, 0), 2.5 * step(tile, 34, 35));
   EXPECT_GT(step(open, 69, 0), 2.5 * step(open, 34, 35));
-  EXPECT_TRUE(picture(true, 0, 1).pixels == tile.pixels);
-  EXPECT_FALSE(picture(true, 1, 1).pixels == tile.pixels);
-  // Larger pixels have less noise.
-  const auto deviation = [](const Image& p) {
-    double square = 0, mean = 0;
-    for (const Vec3f& v : p.pixels) mean += v.x() / p.pixels.size();
-    for (const Vec3f& v : p.pixels) square += (v.x() - mean) * (v.x() - mean);
-    return std::sqrt(square);
+  EXPECT_TRUE(picture(true, 0).pixels == tile.pixels);
+  EXPECT_FALSE(picture(true, 1).pixels == tile.pixels);
+}
+
+// Pixels three times as large have the noise of means over nine.
+TEST(CameraNoise, LargerPixelsHaveThatOfMeans) {
+  constexpr int kSide = 2 * Detail::Noise::kReach + 1;
+  Detail::Noise noise;
+  noise.gray.assign(4, 0.01f);
+  noise.gray_kernel.assign(pixels_in(kSide, kSide), 0.0f);
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i)
+      noise.gray_kernel[pixel_at(Detail::Noise::kReach + i, Detail::Noise::kReach + j, kSide)] =
+          static_cast<float>((2 - std::abs(i)) * (2 - std::abs(j))) / 6;
+  residual::Camera camera;
+  camera.noise = &noise;
+  const auto offsets = [&](int size, double pixel) {
+    Image out(size, size, 1, pixel, srgb_to_linear(Vec3f::Constant(0.5f)));
+    residual::add_noise(out.pixels.data(), size, size, pixel, false, camera, 0, Work());
+    std::vector<float> v;
+    for (const Vec3f& c : out.pixels) v.push_back(linear_to_srgb(c).mean() - 0.5f);
+    return v;
   };
-  EXPECT_NEAR(deviation(picture(false, 0, 4)) / deviation(open), 0.25, 0.02);
+  const auto deviation = [](const std::vector<float>& v) {
+    double square = 0;
+    for (const float x : v) square += static_cast<double>(x) * x;
+    return std::sqrt(square / static_cast<double>(v.size()));
+  };
+  const std::vector<float> fine = offsets(300, 1);
+  std::vector<float> means;
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) {
+      float sum = 0;
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) sum += fine[pixel_at(3 * x + i, 3 * y + j, 300)];
+      means.push_back(sum / 9);
+    }
+  EXPECT_NEAR(deviation(fine), 0.01, 0.0003);
+  EXPECT_NEAR(deviation(offsets(100, 3)), deviation(means), 0.0003);
+}
+
+// What the mask hides teaches nothing, and several sections are measured together.
+TEST(CameraNoise, KnowsMasksAndSections) {
+  const auto drawn = noisy_disks([](int) { return 0.03f; });
+  Image two(kEdge, kEdge, 2, 0.1);
+  Labels labels = drawn.labels, mask = drawn.labels;
+  labels.sections = mask.sections = 2;
+  labels.ids.insert(labels.ids.end(), drawn.labels.ids.begin(), drawn.labels.ids.end());
+  mask.ids.assign(labels.ids.size(), 0);
+  Random random(3);
+  for (std::size_t i = 0; i < two.pixels.size(); ++i) {
+    const bool second = i >= drawn.image.pixels.size();
+    two.pixels[i] =
+        second ? Vec3f(Vec3f::Constant(static_cast<float>(random.uniform()))) : drawn.image.pixels[i];
+    mask.ids[i] = second;
+  }
+  const Detail::Noise noise = split_noise(two, labels, &mask, 0, true);
+  ASSERT_FALSE(noise.gray.empty());
+  EXPECT_NEAR(Detail::at_distance(noise.gray, 0.7f * static_cast<float>(noise.gray.size())), 0.03f, 0.005f);
+}
+
+TEST(CameraNoise, SmallPicturesHaveNone) {
+  for (const int size : {1, 15, 31}) {
+    auto drawn = test::draw_disks(size, 16, 5, [](int x, int y, int) {
+      return Vec3f(Vec3f::Constant(0.5f + 0.1f * static_cast<float>((x * 7 + y * 13) % 5)));
+    });
+    EXPECT_TRUE(keeps(drawn)) << size;
+  }
+}
+
+// Noise and blotches: what is broad stays with the material.
+TEST(CameraNoise, BlotchesBehindItStay) {
+  const residual::WaveField field(std::array{6.0f}, std::array{1.0f}, Vec3(kEdge, kEdge, kEdge));
+  const auto at = [&](int x, int y) {
+    return 0.015f * field.at({static_cast<float>(x), static_cast<float>(y), 5});
+  };
+  const std::vector<float> noise = blurred_noise(5);
+  const auto drawn = test::draw_disks(kEdge, 80, 30, [&](int x, int y, int id) {
+    return Vec3f(Vec3f::Constant(flat(id) + at(x, y) + 0.02f * noise[pixel_at(x, y, kEdge)]));
+  });
+  Image clean = drawn.image;
+  ASSERT_FALSE(split_noise(clean, drawn.labels, nullptr, 0, true).gray.empty());
+  double product = 0, square = 0;
+  for (int y = 0; y < kEdge; ++y)
+    for (int x = 0; x < kEdge; ++x) {
+      const double v =
+          linear_to_srgb(clean.at(x, y)).mean() - flat(drawn.labels.ids[drawn.labels.index(x, y)]);
+      product += v * at(x, y);
+      square += at(x, y) * at(x, y);
+    }
+  EXPECT_GT(product / square, 0.6);
+}
+
+TEST(CameraNoise, IsStoredWhole) {
+  Detail d;
+  d.size = 1;
+  d.phases.resize(1);
+  d.phases[0].tile.assign(1, Vec3f::Zero());
+  d.noise.gray.assign(3, 0.02f);
+  constexpr int kSide = 2 * Detail::Noise::kReach + 1;
+  d.noise.gray_kernel.assign(pixels_in(kSide, kSide), 1.0f / kSide);
+  const auto again = [](const Detail& detail) {
+    BufferWriter writer;
+    value_type<Detail>().encode(&detail, writer);
+    Reader reader(writer.buffer.data(), writer.buffer.size());
+    return *std::static_pointer_cast<const Detail>(value_type<Detail>().decode(reader));
+  };
+  EXPECT_EQ(again(d).noise.gray, d.noise.gray);
+  EXPECT_EQ(again(d).noise.gray_kernel, d.noise.gray_kernel);
+  d.noise.gray[1] = std::nanf("");
+  EXPECT_THROW(again(d), Error);
+  d.noise.gray[1] = 0;
+  d.noise.gray_kernel.pop_back();
+  EXPECT_THROW(again(d), Error);
 }
 
 }  // namespace

@@ -36,14 +36,26 @@ TEST(BinderWidth, WithoutParticlesIsTheWidest) {
   for (const float w : residual::binder_width(none.data(), 40, 30, false)) EXPECT_NEAR(w, 64, 8);
 }
 
-// The binder goes on beyond the edges of a tile.
+// The binder goes on beyond the edges of a tile: 75 pixels at its right edge and 5 at its left.
 TEST(BinderWidth, GoesOnAcrossTheEdgesOfATile) {
-  std::vector<std::int32_t> ids(pixels_in(60, 60), 0);
-  for (int y = 0; y < 60; ++y)
-    for (int x = 20; x < 40; ++x) ids[pixel_at(x, y, 60)] = 1;
-  const auto w = residual::binder_width(ids.data(), 60, 60, true);
-  EXPECT_NEAR(w[pixel_at(0, 30, 60)], 20, 2.5);
-  EXPECT_NEAR(w[pixel_at(0, 30, 60)], w[pixel_at(59, 30, 60)], 1e-3);
+  std::vector<std::int32_t> ids(pixels_in(300, 40), 1);
+  for (int y = 0; y < 40; ++y)
+    for (int x = 0; x < 300; ++x)
+      if (x < 5 || x >= 225) ids[pixel_at(x, y, 300)] = 0;
+  const auto w = residual::binder_width(ids.data(), 300, 40, true);
+  EXPECT_NEAR(w[pixel_at(0, 20, 300)], 40, 4);
+  EXPECT_NEAR(w[pixel_at(0, 20, 300)], w[pixel_at(299, 20, 300)], 0.1);
+}
+
+// The same picture in pixels half as large.
+TEST(BinderWidth, KeepsItsReachInFinerPictures) {
+  std::vector<std::int32_t> fine(pixels_in(400, 200), 0);
+  for (int y = 0; y < 200; ++y)
+    for (int x = 0; x < 400; ++x) fine[pixel_at(x, y, 400)] = x < 150 || x >= 250;  // a gap of 100 pixels
+  const auto w = residual::binder_width(fine.data(), 400, 200, false, 2);
+  EXPECT_NEAR(w[pixel_at(200, 100, 400)], 50, 5);
+  const auto capped = residual::binder_width(fine.data(), 400, 200, false, 0.5);
+  EXPECT_NEAR(capped[pixel_at(200, 100, 400)], 32, 4);
 }
 
 }  // namespace
