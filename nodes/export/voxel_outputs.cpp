@@ -132,7 +132,8 @@ void export_vtu(Context& c, const VoxelJob& job) {
   content.compression = c.choice<VtkCompression>("compression");
   const auto found = fill_content(c, content, job, "array material");
   number_present(*found);
-  write_named(c, job.path, [&](const fs::path& file) { write_vtu(file, content, c.work().part(0.2, 1)); });
+  write_named(c, job.path,
+              [&](const fs::path& file) { write_vtu(file, content, c.memory(), c.work().part(0.2, 1)); });
   if (found->id) write_region_table(c, job, found->regions, content.box);
 }
 
@@ -154,13 +155,12 @@ void export_inp(Context& c, const VoxelJob& job) {
   const Identified found = required_regions(c, job, box, 0.1);
   const auto named = [&](const char* end) { return beside(job.path, job.format, end); };
   const auto name_of = [](const std::string& path) { return fs::path(path).filename().string(); };
+  const InpJob parts{name_of(job.path), box.periodic ? name_of(named("_periodic.inp")) : "",
+                     name_of(named("_materials.inp"))};
   if (materials) {
+    check_inp_job(parts);
     materials->require_stiffness(found.regions, job.particles != nullptr);
     warn_of_equal_orientations(c, job, found.regions);
-    // First, for a name that cannot be included is an error.
-    const InpJob parts{name_of(job.path), box.periodic ? name_of(named("_periodic.inp")) : "",
-                       name_of(named("_materials.inp"))};
-    write_named(c, named("_job.inp"), [&](const fs::path& file) { write_inp_job(file, parts, box); });
     write_named(c, named("_materials.inp"), [&](const fs::path& file) {
       write_inp_materials(file, found.regions, *materials, job.particles);
     });
@@ -172,6 +172,8 @@ void export_inp(Context& c, const VoxelJob& job) {
     write_named(c, named("_periodic.inp"),
                 [&](const fs::path& file) { write_periodic_inp(file, box, c.work().part(0.9, 1)); });
   write_region_table(c, job, found.regions, box);
+  if (materials)  // last, so that a job without its parts is never new
+    write_named(c, named("_job.inp"), [&](const fs::path& file) { write_inp_job(file, parts, box); });
 }
 
 void export_tesr(Context& c, const VoxelJob& job) {

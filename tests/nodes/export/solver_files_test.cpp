@@ -72,6 +72,7 @@ TEST(SolverMaterials, RejectsWhatNoSolverCouldUse) {
   EXPECT_EQ(code_with("a.vti", changed(0, "phase", 3.0)), "bad-materials");
   EXPECT_EQ(code_with("a.vti", changed(0, "phase", std::string("PHASE_0"))), "bad-materials");  // twice
   EXPECT_EQ(code_with("a.vti", changed(0, "name", std::string("Iron"))), "bad-names");
+  EXPECT_EQ(code_with("a.inp", changed(0, "name", std::string("IRON"))), "bad-names");
   EXPECT_EQ(code_with("a.vti", changed(0, "name", std::string("two words"))), "bad-names");
   EXPECT_EQ(code_with("a.vti", changed(1, "lattice", std::string("fcc"))), "bad-materials");
   EXPECT_EQ(code_with("a.vti", changed(1, "lattice", std::string("oP"))),
@@ -150,8 +151,8 @@ TEST(SolverFiles, CountMaterialsFromZeroWithoutAnEmptyBinder) {
   EXPECT_EQ(lines_of(file.string() + ".csv").size(), 1u + 6);
   std::vector<std::string> phases;
   for (const std::string& line : lines_of(file.parent_path() / "a_material.yaml"))
-    if (const auto at = line.find("{phase: "); at != std::string::npos)
-      phases.push_back(line.substr(at + 8, line.find(',') - at - 8));
+    if (const auto at = line.find("{phase: \""); at != std::string::npos)
+      phases.push_back(line.substr(at + 9, line.find('"', at + 9) - at - 9));
   EXPECT_EQ(phases, (std::vector<std::string>{"Iron", "PHASE_1", "PHASE_2", "VOIDS", "PHASE_2", "Iron"}));
 }
 
@@ -169,15 +170,31 @@ TEST(SolverFiles, InpSectionsCoverEveryElementSet) {
   EXPECT_EQ(elements, sections);
   EXPECT_EQ(axes, (std::set<std::string>{"AXES_PARTICLE_0", "AXES_PARTICLE_2", "AXES_PARTICLE_5",
                                          "AXES_PARTICLE_6"}));
-  EXPECT_EQ(code_with("two words.inp", some_materials()), "bad-names");
+  const fs::path out = test::temporary_folder();
+  EXPECT_EQ(test::code_of([&] {
+              test::run_node("Export", with_materials(), {{"path", "two words.inp"}}, out);
+            }),
+            "bad-names");
+  EXPECT_TRUE(fs::is_empty(out));
 }
 
 TEST(SolverFiles, TesrHoldsCellsAndOrientations) {
-  const auto lines = lines_of(exported("a.tesr", with_materials()));
+  const auto turn = [](double degrees, const Vec3& axis) {
+    return Eigen::AngleAxisd(degrees * M_PI / 180, axis);
+  };
+  Particles p = test::formula_particles();
+  p.orientation[0] = turn(30, Vec3::UnitZ()) * turn(40, Vec3::UnitX()) * turn(50, Vec3::UnitZ());
+  test::Inputs inputs = with_materials();
+  inputs.erase("particles");
+  inputs.emplace("particles", Value::of(p));
+  const auto lines = lines_of(exported("a.tesr", inputs));
   ASSERT_GT(lines.size(), 22u);
   EXPECT_EQ(lines[0], "***tesr");
   EXPECT_EQ(lines[5], "   6 5 4");
-  EXPECT_EQ(lines[10], "   5");  // without particles 3, a void, and 4
+  EXPECT_EQ(lines[6], "   0.25 0.25 0.25");
+  EXPECT_EQ(lines[13], "   30.000000000000 40.000000000000 50.000000000000");
+  EXPECT_EQ(std::count(lines.begin(), lines.end(), "  *crysym"), 0);  // hexagonal and cubic
+  EXPECT_EQ(lines[10], "   5");                                       // without particles 3, a void, and 4
   const auto data = std::find(lines.begin(), lines.end(), "   ascii");
   const int numbers[] = {1, 2, 3, 0, -1, 4, 5};
   for (int z = 0; z < 4; ++z)
@@ -191,6 +208,10 @@ TEST(SolverFiles, TesrHoldsCellsAndOrientations) {
       }
     }
   EXPECT_EQ(lines.back(), "***end");
+  const auto cubic = lines_of(exported("a.tesr", with_materials(changed(2, "lattice", std::string("cF")))));
+  const auto symmetry = std::find(cubic.begin(), cubic.end(), "  *crysym");
+  ASSERT_NE(symmetry, cubic.end());
+  EXPECT_EQ(*(symmetry + 1), "   cubic");
 }
 
 TEST(SolverFiles, LammpsSpheresHaveTheParticlesVolumes) {

@@ -14,13 +14,16 @@ constexpr double kPascalsPerGpa = 1e9;
 
 std::string lattice_of(const SolverMaterial& m) { return m.lattice.empty() ? "cI" : m.lattice; }
 
+// Quoted, for YAML takes No, on and null for other things than text.
+std::string yaml_name(const SolverMaterial& m) { return '"' + m.name + '"'; }
+
 // YAML 1.1 takes numbers without point and signed exponent for text.
 std::string yaml_number(double value) { return fmt::format("{:.12e}", value); }
 
 void add_phase(std::string& text, const SolverMaterial& m) {
   const Stiffness& s = *m.stiffness;
   const std::string lattice = lattice_of(m);
-  text += fmt::format("  {}:\n    lattice: {}\n", m.name, lattice);
+  text += fmt::format("  {}:\n    lattice: {}\n", yaml_name(m), lattice);
   if (m.c_over_a) text += fmt::format("    c/a: {}\n", yaml_number(*m.c_over_a));
   if (m.density) text += fmt::format("    rho: {}\n", yaml_number(*m.density));
   text += "    mechanical:\n      output: [F, P, F_e, O]\n      elastic:\n        type: Hooke\n";
@@ -74,7 +77,7 @@ void write_damask_material(const std::filesystem::path& path, const Regions& reg
   for (const Region& r : regions.all) {
     const Quat turn = particles && r.particle >= 0 ? particles->orientation[r.particle] : Quat::Identity();
     text += fmt::format("  - homogenization: SX\n    constituents:\n      - {{phase: {}, v: 1.0, O: {}}}\n",
-                        materials.of(r).name, quaternion_text(turn));
+                        yaml_name(materials.of(r)), quaternion_text(turn));
   }
   write_bytes(path, text);
 }

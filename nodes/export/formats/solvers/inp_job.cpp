@@ -63,17 +63,20 @@ void write_inp_materials(const std::filesystem::path& path, const Regions& regio
   write_bytes(path, text);
 }
 
-void write_inp_job(const std::filesystem::path& path, const InpJob& job, const VoxelBox& box) {
-  std::string text =
-      "** Terrazzo: the block stretched by 0.1 % along x, for CalculiX: ccx -i NAME. Stresses in MPa.\n";
-  for (const std::string& file : {job.mesh, job.equations, job.materials}) {
+void check_inp_job(const InpJob& job) {
+  for (const std::string& file : {job.mesh, job.equations, job.materials})
     if (file.find_first_of(" ,\"'*") != std::string::npos || file.size() > 100)
       throw Error(
           "bad-names", "*INCLUDE cannot read the file name '" + file + "'",
           "use a name without spaces, commas, quotation marks and asterisks, of at most 90 characters")
           .parameter("path");
+}
+
+void write_inp_job(const std::filesystem::path& path, const InpJob& job, const VoxelBox& box) {
+  std::string text =
+      "** Terrazzo: the block stretched by 0.1 % along x, for CalculiX: ccx -i NAME. Stresses in MPa.\n";
+  for (const std::string& file : {job.mesh, job.equations, job.materials})
     if (!file.empty()) text += "*INCLUDE, INPUT=" + file + "\n";
-  }
   text += "*STEP\n*STATIC\n*BOUNDARY\n";
   const double pull = kStrain * box.size.x() * box.spacing.x();
   if (job.equations.empty())

@@ -16,12 +16,14 @@ namespace terrazzo::exporting {
 void write_inp_materials(const std::filesystem::path&, const Regions&, const SolverMaterials&,
                          const Particles*);
 
-// A job for CalculiX. Includes mesh, equations and materials by these names ("" is left out), and stretches
-// the box along x by 0.001. Sides are periodic with equations; otherwise X0, Y0 and Z0 slide and Y1 and Z1
-// are free. Throws Error "bad-names" if *INCLUDE cannot read a name, "write-failed".
+// The names of files that a job includes; "" is left out.
 struct InpJob {
   std::string mesh, equations, materials;
 };
+// Throws Error "bad-names" if *INCLUDE cannot read a name.
+void check_inp_job(const InpJob&);
+// A job for CalculiX, which stretches the box along x by 0.001. Sides are periodic with equations; otherwise
+// X0, Y0 and Z0 slide and Y1 and Z1 are free. Throws Error "write-failed".
 void write_inp_job(const std::filesystem::path&, const InpJob&, const VoxelBox&);
 
 }  // namespace terrazzo::exporting

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -70,6 +71,12 @@ bool is_name(const std::string& name) {
   return !name.empty() && name.size() <= 70 && letter(name[0]) &&
          std::all_of(name.begin(), name.end(),
                      [&](char c) { return letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; });
+}
+
+// Abaqus and CalculiX read names in upper case.
+bool same_name(const std::string& a, const std::string& b) {
+  const auto upper = [](unsigned char c) { return std::toupper(c); };
+  return std::ranges::equal(a, b, {}, upper, upper);
 }
 
 std::optional<Stiffness> isotropic_stiffness(const MaterialRow& row) {
@@ -166,8 +173,9 @@ SolverMaterials::SolverMaterials(const Table& table) {
     SolverMaterial m = read_material({table, row});
     for (const SolverMaterial& other : all_) {
       if (other.phase == m.phase) throw bad("two rows for " + m.phase, "delete one");
-      if (other.name == m.name)
-        throw Error("bad-names", "the table of materials: two phases have the name " + m.name, "rename one");
+      if (same_name(other.name, m.name))
+        throw Error("bad-names", "the table of materials: two phases have the name " + m.name,
+                    "rename one; upper and lower case count as equal");
     }
     all_.push_back(std::move(m));
   }

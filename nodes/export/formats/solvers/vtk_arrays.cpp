@@ -83,6 +83,7 @@ void VtkStream::compressed(const VtkArray& array) {
                   reinterpret_cast<const Bytef*>(data.data()), data.size(), 4) != Z_OK)
       throw Error("not-enough-memory", "zlib has no memory to compress the voxels", "set compression: none");
     packed[b].resize(size);
+    packed[b].shrink_to_fit();
   });
   const std::size_t rest = array.planes % per_block;
   std::vector<std::uint64_t> header = {blocks, per_block * array.plane_bytes, rest * array.plane_bytes};

@@ -6,12 +6,14 @@
 
 #include "nodes/common/io/checked_file.h"
 #include "nodes/export/formats/units.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::exporting {
 namespace {
 
 constexpr int kCorners = 8;
-constexpr char kHexahedron = 12;  // VTK_HEXAHEDRON
+constexpr double kCompressedBytes = 12;  // of a voxel's corners
+constexpr char kHexahedron = 12;         // VTK_HEXAHEDRON
 
 struct VtuMesh {
   explicit VtuMesh(const VoxelBox& b) : box(b), n((b.size + Vec3i::Ones()).cast<std::int64_t>()) {}
@@ -96,9 +98,16 @@ std::array<std::vector<std::int64_t>, 6> side_points(const VtuMesh& m) {
 
 }  // namespace
 
-void write_vtu(const std::filesystem::path& path, const VtiContent& content, const Work& work) {
+void write_vtu(const std::filesystem::path& path, const VtiContent& content, std::uint64_t memory,
+               const Work& work) {
   const std::vector<VtkArray> cells = cell_arrays(content);
   const VtuMesh mesh(content.box);
+  const bool compressed = content.compression == VtkCompression::Zlib;
+  const double on_sides =
+      2.0 * double(mesh.n.x() * mesh.n.y() + mesh.n.y() * mesh.n.z() + mesh.n.z() * mesh.n.x());
+  require_memory(
+      (compressed ? kCompressedBytes * double(content.box.count()) : 0) + sizeof(std::int64_t) * on_sides,
+      memory, "the mesh of the volume");
   const auto sides = side_points(mesh);
   std::vector<VtkArray> side_arrays;
   for (std::size_t s = 0; s < sides.size(); ++s)
@@ -115,8 +124,7 @@ void write_vtu(const std::filesystem::path& path, const VtiContent& content, con
     out << "<?xml version=\"1.0\"?>\n"
         << "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
            "header_type=\"UInt64\""
-        << (content.compression == VtkCompression::Zlib ? " compressor=\"vtkZLibDataCompressor\"" : "")
-        << ">\n<UnstructuredGrid>\n";
+        << (compressed ? " compressor=\"vtkZLibDataCompressor\"" : "") << ">\n<UnstructuredGrid>\n";
     write_field_data(out, content, work, side_arrays);
     out << fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n<Points>\n", mesh.n.prod(),
                        content.box.count());
