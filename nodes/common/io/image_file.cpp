@@ -243,6 +243,7 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   const ChosenPage chosen = choose_page(content.pages, choice, path);
   const PictureMetadata metadata = metadata_of(content, chosen.page);
   if (sizes) sizes->place = place_in_tiff(content, chosen.page);
+  if (sizes) sizes->turned = is_turned(metadata.orientation);
   if (chosen.page.number < 0 || content.format == "gif") {
     Encoded e = read_stored(content, chosen, pixel_size, reading);  // upright
     require_finite(e, path);
@@ -273,7 +274,9 @@ Image read_image(const std::filesystem::path& path, const std::string& colorspac
   composite(e, path, reading);
   // OpenImageIO reads the EXIF data of fewer formats, but knows other sources.
   const int known = in.attributes().whole("Orientation", 1);
-  make_upright(e.image.pixels, e.image.width, e.image.height, 1, known != 1 ? known : metadata.orientation);
+  const int orientation = known != 1 ? known : metadata.orientation;
+  if (sizes) sizes->turned = is_turned(orientation);
+  make_upright(e.image.pixels, e.image.width, e.image.height, 1, orientation);
   return std::move(e.image);
 }
 

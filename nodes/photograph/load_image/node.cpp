@@ -23,14 +23,22 @@ void offer(const PixelScale& scale, Context& c) {
 }
 
 // The place of the first file, which must agree with pixel_size; none if the picture does not keep it.
-std::optional<Georeference> place_of(Context& c, const std::optional<StatedPlace>& place) {
+std::optional<Georeference> place_of(Context& c, const StatedSizes& sizes) {
+  const auto& place = sizes.place;
   if (!place) return {};
   const auto leave = [&](const std::string& why) {
     c.warn(fmt::format("the coordinates of {} are not kept: {}", place->source, why));
     return std::nullopt;
   };
+  if (c.files("path").size() > 1) return leave("a stack has no single place");
+  if (c.number("tilt") > 0) return leave("tilt changes the picture");
   if (place->unit == 0)
     return leave("their unit is not known to be a length. Reproject the picture to meters");
+  if (sizes.turned)
+    throw Error("bad-georeference",
+                "'" + c.files("path")[0].string() + "' is georeferenced, but stored mirrored or turned",
+                "write it upright")
+        .parameter("path");
   const Georeference& g = place->georeference;
   const double size = std::hypot(g.m[0], g.m[3]) * place->unit;
   if (std::abs(c.number("pixel_size") - size) > 1e-3 * size)
@@ -39,8 +47,6 @@ std::optional<Georeference> place_of(Context& c, const std::optional<StatedPlace
                             place->source, size, c.number("pixel_size")),
                 fmt::format("set pixel_size: {:.6g}, or remove the georeference if it is wrong", size))
         .parameter("pixel_size");
-  if (c.files("path").size() > 1) return leave("a stack has no single place");
-  if (c.number("tilt") > 0) return leave("tilt changes the picture");
   return g;
 }
 
@@ -77,13 +83,14 @@ void compute(Context& c) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     c.work().check();
     StatedSizes sizes;
-    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c), &sizes, choice);
+    Image section = read_image(files[i], colorspace, c.number("pixel_size"), reading_of(c),
+                               i == 0 ? &sizes : nullptr, choice);
     if (i == 0) {
       if (!sizes.place) sizes.place = place_beside(files[i], reading_of(c));
-      section.georeference = place_of(c, sizes.place);
+      section.georeference = place_of(c, sizes);
+      if (sizes.pixel && !(sizes.place && sizes.place->unit > 0)) offer(*sizes.pixel, c);
+      tilt = tilt_of(c, sizes.field_of_view);
     }
-    if (i == 0 && sizes.pixel && !sizes.place) offer(*sizes.pixel, c);
-    if (i == 0) tilt = tilt_of(c, sizes.field_of_view);
     if (tilt.tilt > 0) section = rectified(section, tilt, c.memory(), c.work().quiet());
     if (i == 0) {
       stack = std::move(section);

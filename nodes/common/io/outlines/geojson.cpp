@@ -109,14 +109,15 @@ void read_system(const json& all, OutlineFile& out) {
   const auto it = all.find("crs");
   if (it == all.end() || !it->is_object()) return;
   out.on_map = true;
-  const auto name = it->value("/properties/name"_json_pointer, json());
-  if (!name.is_string()) return;
-  const std::string text = name.get<std::string>();
+  const auto properties = it->find("properties");
+  if (properties == it->end() || !properties->is_object()) return;
+  const auto name = properties->find("name");
+  if (name == properties->end() || !name->is_string()) return;
+  const std::string text = name->get<std::string>();
   const auto at = text.rfind(':');
-  const auto number =
-      at == text.npos ? std::optional<double>() : read_number(std::string_view(text).substr(at + 1));
-  if (text.find("EPSG") != text.npos && number && *number > 0 && *number < 1e6)
-    out.epsg = static_cast<int>(*number);
+  if (text.find("EPSG") == text.npos || at == text.npos) return;
+  const auto number = read_number(std::string_view(text).substr(at + 1));
+  if (number && *number > 0 && *number < 1e6) out.epsg = static_cast<int>(*number);
 }
 
 }  // namespace

@@ -78,8 +78,6 @@ class GeoTags {
     return 0;
   }
 
-  std::uint64_t orientation() const { return in_.value(directory_, tiff::kOrientation, 1); }
-
  private:
   const std::filesystem::path& path_;
   TiffReader in_;
@@ -128,8 +126,6 @@ std::optional<StatedPlace> place_in_tiff(const PictureContent& content, const Pi
   g.epsg = system > 0 && system < kUserDefined ? static_cast<int>(system) : 0;
   out.unit = unit_of(tags);
   if (out.unit > 0) require_squares(g, content.path);
-  if (tags.orientation() != 1)
-    throw bad_place(content.path, "it is georeferenced, but stored mirrored or turned", "write it upright");
   return out;
 }
 

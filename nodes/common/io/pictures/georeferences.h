@@ -10,8 +10,8 @@
 
 namespace terrazzo {
 
-// None if the page has no such tags. Throws Error "bad-georeference" for tags that are damaged, contradict
-// each other or the picture's orientation, and for pixels that are not square.
+// None if the page has no such tags. Throws Error "bad-georeference" for tags that are damaged or contradict
+// each other, and for pixels that are not square.
 std::optional<StatedPlace> place_in_tiff(const PictureContent&, const PicturePage&);
 
 // The world file of this picture, if there is one: a.jgw, a.jpgw or a.wld of a.jpg.

@@ -8,11 +8,13 @@
 
 namespace terrazzo {
 
-// Turns and mirrors a picture of `count` values per pixel so that it is upright; `orientation` is EXIF's,
-// from 1 (upright) to 8.
+// Whether EXIF's orientation, from 1 (upright) to 8, says that a picture is stored turned or mirrored.
+inline bool is_turned(int orientation) { return orientation >= 2 && orientation <= 8; }
+
+// Turns and mirrors a picture of `count` values per pixel so that it is upright.
 template <class T>
 void make_upright(std::vector<T>& values, int& width, int& height, std::size_t count, int orientation) {
-  if (orientation < 2 || orientation > 8) return;
+  if (!is_turned(orientation)) return;
   const bool swapped = orientation >= 5;
   const int w = swapped ? height : width, h = swapped ? width : height;
   std::vector<T> upright;

@@ -27,6 +27,7 @@ struct StatedSizes {
   std::optional<PixelScale> pixel;
   std::optional<double> field_of_view;  // degrees across the picture's longer side, 1 to 170
   std::optional<StatedPlace> place;
+  bool turned = false;  // the pixels are stored turned or mirrored, and `place` is that of the stored ones
 };
 
 // The length of a unit of microscopes and scanners, such as "µm", in mm; 0 if the name is unknown.

@@ -88,13 +88,23 @@ TEST_F(Georeferences, TurnedPixelsAreKeptAndOthersRefused) {
     EXPECT_EQ(code(with_world(world)), "bad-georeference") << world;
 }
 
+TEST_F(Georeferences, OfPicturesThatAreStoredTurnedAreRefused) {
+  std::ofstream(folder / "a.tfw") << kPlain;
+  for (const int orientation : {1, 2, 6}) {
+    test::write_picture((folder / "a.tif").string(), 8, 6, 3, Sample::UInt8,
+                        std::vector<std::uint8_t>(8 * 6 * 3, 90), {{"Orientation", orientation}});
+    EXPECT_EQ(code(folder / "a.tif"), orientation == 1 ? "" : "bad-georeference") << orientation;
+  }
+  EXPECT_EQ(code_of([&] { loaded(folder / "a.tif", "50", {{"tilt", "20"}, {"field_of_view", "50"}}); }), "");
+}
+
 TEST_F(Georeferences, OfStacksAndTiltedPhotographsAreLeftOut) {
   with_world(kPlain);
   const auto tilted = loaded(folder / "a.png", "50", {{"tilt", "20"}, {"field_of_view", "50"}});
   EXPECT_FALSE(tilted.output<Image>("image").georeference);
   EXPECT_EQ(tilted.warnings.size(), 1u);
   picture("b.png");
-  const auto stack = loaded(folder / "*.png");
+  const auto stack = loaded(folder / "*.png", "1");
   EXPECT_FALSE(stack.output<Image>("image").georeference);
   EXPECT_EQ(stack.warnings.size(), 1u);
 }
@@ -133,6 +143,11 @@ TEST(GeoreferencedOutlines, ComeBackThroughGeoJson) {
   json.erase("picture");
   std::ofstream(file) << json.dump();
   EXPECT_EQ(read({{"image", Value::of(mapped.image)}}).ids, mapped.labels.ids);
+  auto unnamed = json;
+  unnamed["crs"]["properties"] = {1};
+  std::ofstream(file) << unnamed.dump();
+  EXPECT_EQ(read({{"image", Value::of(mapped.image)}}).ids, mapped.labels.ids);
+  std::ofstream(file) << json.dump();
   Image elsewhere = mapped.image;
   elsewhere.georeference->epsg = 32634;
   EXPECT_EQ(code_of([&] { read({{"image", Value::of(elsewhere)}}); }), "bad-georeference");
