@@ -195,6 +195,8 @@ TEST_F(StudioPage, TeachesPhasesByStrokes) {
   EXPECT_EQ(r["shown"], 4);
   EXPECT_EQ(r["after"], 0);
   EXPECT_EQ(r["undone"], true);
+  EXPECT_EQ(r["stale"], 0);
+  EXPECT_EQ(r["nodes"], nlohmann::json::array({"on_phase_0"}));
   const std::string text = r["text"];
   EXPECT_NE(text.find("strokes: [on_phase_0.strokes, on_phase_1.strokes, on_phase_2.strokes]"),
             std::string::npos)

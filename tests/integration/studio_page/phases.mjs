@@ -54,11 +54,23 @@ await report(server, async () => {
   await check('phases');
   await page.click('.pens button:has-text("Done")');
   result.after = await page.locator('.strokes polyline').count();
+  await button(1).click();
   for (const left of [3, 2, 1, 0]) {
     await page.click('button:has-text("Undo")');
     await until(`${left} strokes are left`, s => s.document.nodes.filter(n => n.type === 'Strokes').flatMap(n => n.params.strokes.value).length === left);
   }
   s = await until('the strokes are gone', s => !/on_phase/.test(s.document.text) && s.nodes.phases?.metrics?.phases === 2);
   result.undone = /phases: 2, smoothing: 2/.test(s.document.text);
+  result.stale = await page.locator('.pens button[aria-pressed=true]').count();
+  await drag(0.6, 0.7, 0.8); // the tool of phase 1, which is not the next one any more
+  await button(0).click();
+  for (const time of ['', ' again']) {
+    await drag(0.1, 0.2, 0.3);
+    s = await until(`a stroke is on phase 0${time}`, s => /on_phase_0/.test(s.document.text));
+    if (time) break;
+    await page.click('button:has-text("Undo")');
+    await until('the stroke is gone', s => !/on_phase/.test(s.document.text));
+  }
+  result.nodes = s.document.nodes.filter(n => n.type === 'Strokes').map(n => n.name);
   await browser.close();
 });

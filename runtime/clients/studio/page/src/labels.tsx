@@ -52,7 +52,7 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
   const tool = editable ? tools.find(t => t.name === name && usable(t, node)) : undefined;
   const leave = () => useStore.setState({ tool: null });
   const factor = size.fullWidth / size.width;
-  const taught = node.type === 'Phases' && !scope && section === 0 ? doc : null, phase = taught ? phaseOf(name) : -1;
+  const taught = node.type === 'Phases' && !scope && section === 0 ? doc : null, phase = taught ? phaseOf(name, node, taught) : -1;
   const pen: Pen | null = dropper ?? (taught && phase >= 0 ? phasePen(node, taught, phase, radius, factor) : tool ? {
     ...tool.pen, leave,
     done: points => {

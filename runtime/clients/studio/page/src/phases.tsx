@@ -23,8 +23,14 @@ export function colorsOf(labels: { colors: Raster; ids: Raster } | null | undefi
 }
 const colorOf = (colors: Colors, phase: number) => colors.get(phase) ?? (phase === 0 ? '#888' : '#fff');
 
-// The phase that the tool draws on, if it is one.
-export const phaseOf = (tool: string | null) => (tool?.startsWith('phase ') ? Number(tool.slice(6)) : -1);
+// Strokes can be drawn on phases that have a Strokes node, and on the next one.
+const isOpen = (taught: unknown[], phase: number) => (phase < taught.length ? !!taught[phase] : phase === taught.length);
+
+// The phase that the tool draws on, or −1.
+export function phaseOf(tool: string | null, node: DocNode, doc: Doc): number {
+  const phase = tool?.startsWith('phase ') ? Number(tool.slice(6)) : -1;
+  return phase >= 0 && isOpen(strokesOf(node, doc), phase) ? phase : -1;
+}
 
 // A stroke on a phase, as one step of undo.
 async function draw(node: DocNode, doc: Doc, phase: number, points: Point[], radius: number): Promise<void> {
@@ -46,15 +52,15 @@ export const phasePen = (node: DocNode, doc: Doc, phase: number, radius: number,
 });
 
 export function PhaseTools({ node, doc, colors, radius, setRadius }: { node: DocNode; doc: Doc; colors: Colors; radius: number; setRadius: (r: number) => void }) {
-  const tool = useStore(s => s.tool), taught = strokesOf(node, doc);
+  const phase = phaseOf(useStore(s => s.tool), node, doc), taught = strokesOf(node, doc);
   const shown = Math.min(Math.max(taught.length + 1, 2), mostPhases);
   return (
     <div className="pens" role="toolbar" aria-label="Strokes on phases">
       {Array.from({ length: shown }, (_, k) => (
-        <button key={k} aria-pressed={phaseOf(tool) === k} disabled={k < taught.length ? !taught[k] : k > taught.length} style={{ boxShadow: `inset 0 -3px ${colorOf(colors, k)}` }}
+        <button key={k} aria-pressed={phase === k} disabled={!isOpen(taught, k)} style={{ boxShadow: `inset 0 -3px ${colorOf(colors, k)}` }}
           title={`Draw on phase ${k}: pixels that look like it get it`} onClick={() => useStore.setState(s => ({ tool: s.tool === toolOf(k) ? null : toolOf(k) }))}>Phase {k}</button>
       ))}
-      {phaseOf(tool) >= 0 && <>
+      {phase >= 0 && <>
         <label>Radius <input type="range" min={1} max={60} value={radius} onChange={e => setRadius(Number(e.target.value))} /> {radius} pixels</label>
         <button onClick={() => useStore.setState({ tool: null })}>Done</button></>}
     </div>
@@ -66,7 +72,7 @@ export const phaseHint = (node: DocNode) => ((node.inputs.strokes ?? []).length 
 // The strokes of a text such as "7: 20 20, 50 30". Areas are not drawn.
 function lines(text: string): { radius: number; points: string }[] {
   const [radius, points] = text.split(':');
-  return Number(radius) > 0 ? [{ radius: Number(radius), points: points.trim() }] : [];
+  return points && Number(radius) > 0 ? [{ radius: Number(radius), points: points.trim() }] : [];
 }
 
 // The strokes in the picture, whose pixels are `factor` times as large as those of the strokes.
