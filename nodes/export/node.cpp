@@ -36,7 +36,7 @@ namespace terrazzo {
 
 NodeType export_node() {
   using namespace exporting;
-  NodeType type("Export", 9);
+  NodeType type("Export", 10);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(

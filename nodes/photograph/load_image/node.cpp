@@ -123,7 +123,7 @@ namespace terrazzo {
 
 NodeType load_image_node() {
   using namespace load_image;
-  return NodeType("LoadImage", 5)
+  return NodeType("LoadImage", 6)
       .doc_(
           "Reads a photograph, or a stack of section photographs, as scene-linear Rec. 709. Formats: JPEG, "
           "PNG, TIFF, OpenEXR, Radiance HDR, BMP, PNM, GIF and the raw files of cameras; color spaces are "
