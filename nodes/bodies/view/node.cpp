@@ -226,7 +226,7 @@ NodeType view_node() {
       .parameter(Parameter::boolean("shaded", true)
                      .doc_("Whether light falls on the stones of view surface. false: flat colors at once, "
                            "for pictures of which only the profiles count."))
-      .parameter(Parameter::seed().doc_("Random seed of the planes, and of the pictures' places"))
+      .parameter(Parameter::seed().doc_("Random seed of the planes, of the pictures' places, and of noise"))
       .compute_(compute);
 }
 

@@ -177,7 +177,8 @@ NodeType detail_solid_node() {
           "pixels, and adds it to a solid")
       .source_(
           "Kopf et al. 2007 and Laursen, Ersbøll, Bærentzen 2011 for the tiles; Wexler, Shechtman, Irani "
-          "2007 for what particles and binder hide from each other")
+          "2007 for what particles and binder hide from each other; Yu, Sapiro 2011 for noise; Hildebrand, "
+          "Rüegsegger 1997 for the width of the binder")
       .input("image", "Image", "Photograph with one or more sections")
       .input("labels", "Labels", "Profiles of image")
       .optional_input("mask", {"Labels"},
