@@ -209,7 +209,8 @@ NodeType section_node() {
               .range(1e-9, 1e9)
               .doc_("Edge of a pixel, rounded so that whole pixels fill the width. auto: the box's longest "
                     "edge / 512, or a volume's voxel, and coarser if the stack would exceed 64 megapixels."))
-      .parameter(Parameter::seed().doc_("Random seed of the planes' positions and orientations, and of noise."))
+      .parameter(
+          Parameter::seed().doc_("Random seed of the planes' positions and orientations, and of noise."))
       .check_(check)
       .compute_(compute);
 }
