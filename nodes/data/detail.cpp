@@ -20,6 +20,7 @@ void encode(const Detail& v, Writer& w) {
   w.array(z.variance);
   w.array(z.level);
   w.array(z.level_by_width);
+  w.pod(z.mean_level);
   w.bytes(z.dark.data(), sizeof(float) * 3);
   w.bytes(z.light.data(), sizeof(float) * 3);
   w.pod(z.dark_contrast);
@@ -112,6 +113,7 @@ Detail decode_detail(Reader& r) {
   z.variance = r.array<float>();
   z.level = r.array<float>();
   z.level_by_width = r.array<float>();
+  z.mean_level = r.pod<float>();
   r.bytes(z.dark.data(), sizeof(float) * 3);
   r.bytes(z.light.data(), sizeof(float) * 3);
   z.dark_contrast = r.pod<float>();

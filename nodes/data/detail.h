@@ -59,10 +59,12 @@ struct Detail {
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };
   // Two zones of the binder. A Gaussian field of deviation 1 with the covariance Σ variance · exp(−r² / 4
-  // sigma²) is below a level in the dark one: in pictures `level_by_width`, elsewhere `level`.
+  // sigma²) is below a level in the dark one: in pictures `level_by_width`, elsewhere `level`, and
+  // `mean_level` where no distance is known.
   struct Zones {
     std::vector<float> sigma, variance;  // pixels; the variances' sum is 1
     std::vector<float> level;            // at i + ½ pixels from the nearest outline; empty: no zones
+    float mean_level = 0;                // with the share of the dark zone in the whole binder
     std::vector<float> level_by_width;   // where the binder is i + ½ pixels wide, see residual::binder_width
     Vec3f dark = Vec3f::Zero(), light = Vec3f::Zero();  // offsets
     float dark_contrast = 1, light_contrast = 1;        // factors of the tile

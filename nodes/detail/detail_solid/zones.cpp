@@ -250,6 +250,8 @@ void split_zones(Phases& p, const Labels& labels, Detail& detail, std::uint64_t 
   Detail::Zones zones;
   zones.level = levels_of(p, depth, depth, detail.softness);
   zones.level_by_width = levels_of(p, width, depth, detail.softness);
+  const double dark = std::count(p.zone.begin(), p.zone.end(), 1), all = p.pixels[0];
+  zones.mean_level = level_of(std::clamp(dark / all, 0.002, 0.998));
   if (!fit_field(correlations(p, width, zones.level_by_width, seed), zones)) {
     p.zone.clear();
     return;

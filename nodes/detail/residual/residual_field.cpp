@@ -21,7 +21,8 @@ namespace {
 constexpr std::uint64_t kParticleStream = 0x72657331, kBinderStream = 0x72657332, kLayerStream = 0x72657333,
                         kTurnStream = 0x72657334, kCellStream = 0x72657335, kSeedStream = 0x72657336,
                         kSlopeStream = 0x72657337;
-constexpr float kCell = 0.7f;  // edge of the binder's cells, in tiles
+constexpr float kUnknown = 1e8f;  // mm: distances from outlines that nobody measured are larger
+constexpr float kCell = 0.7f;     // edge of the binder's cells, in tiles
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
 constexpr float kSteepest = 1;  // limit of what slopes add, in their standard deviations
@@ -369,7 +370,9 @@ Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float 
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0 && has_zones()) {
-    if (dark < 0) dark = dark_share(mm, Detail::at_distance(zones_.level, bins), edge_);
+    if (dark < 0)
+      dark = dark_share(mm, depth < kUnknown ? Detail::at_distance(zones_.level, bins) : zones_.mean_level,
+                        edge_);
     const float light = 1 - dark;
     return gain * (dark * zones_.dark_contrast + light * zones_.light_contrast) * binder(mm) + rim +
            dark * zones_.dark + light * zones_.light;

@@ -297,7 +297,7 @@ namespace terrazzo {
 
 NodeType bake_node() {
   using namespace bake;
-  NodeType type("Bake", 2);
+  NodeType type("Bake", 3);
   type.doc_(
       "Makes the texture maps of a mesh that is carved from the solid: base color, normal, height, "
       "roughness, "

@@ -23,7 +23,10 @@ Vec2 inside_of(const Loop& loop) {
 }  // namespace
 
 OutlineFile outlines_of(const Labels& labels) {
-  OutlineFile out{labels.width, labels.height, labels.sections, labels.pixel_size, {}};
+  OutlineFile out{.width = labels.width,
+                  .height = labels.height,
+                  .sections = labels.sections,
+                  .pixel_size = labels.pixel_size};
   const std::size_t plane = pixels_in(labels.width, labels.height);
   if (plane == 0 || labels.ids.size() != plane * labels.sections)
     throw Error("empty-labels", "the labels have no pixels", "connect labels of a picture");
@@ -36,7 +39,7 @@ OutlineFile outlines_of(const Labels& labels) {
 }
 
 OutlineFile outlines_of(const Profiles& profiles, int width, int height, double pixel_size) {
-  OutlineFile out{width, height, profiles.sections, pixel_size, {}};
+  OutlineFile out{.width = width, .height = height, .sections = profiles.sections, .pixel_size = pixel_size};
   for (std::size_t i = 0; i < profiles.profiles.size(); ++i) {
     const Profile& p = profiles.profiles[i];
     if (p.contour.empty())

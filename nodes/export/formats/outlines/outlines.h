@@ -20,8 +20,7 @@ OutlineFile outlines_of(const Profiles&, int width, int height, double pixel_siz
 std::vector<std::vector<Loop>> polygons_of(const std::vector<Loop>&);
 
 // RFC 7946, coordinates in pixels, y down, or on the map of a georeferenced picture, with the properties that
-// QuPath reads; `picture` holds the size of
-// the picture.
+// QuPath reads; `picture` holds the size of the picture.
 std::string geojson_of(const OutlineFile&);
 // COCO's format for object detection. Outlines with holes are written as run lengths.
 std::string coco_of(const OutlineFile&);

@@ -63,6 +63,7 @@ TEST(WaveField, ZonesHaveTheirShares) {
   d.zones.sigma = {2.0f};
   d.zones.variance = {1.0f};
   d.zones.level = {-0.6745f, -0.6745f, 0.6745f};
+  d.zones.mean_level = -0.2533f;
   d.zones.dark.setConstant(-0.3f);
   d.zones.light.setConstant(0.2f);
   Particles p;
@@ -81,6 +82,11 @@ TEST(WaveField, ZonesHaveTheirShares) {
     EXPECT_NEAR(dark / kPoints, share, 0.03);
     EXPECT_LT(between / kPoints, 0.25);
   }
+  // Where no distance is known, the binder has its mean share.
+  double dark = 0;
+  Random random(6);
+  for (int n = 0; n < 40000; ++n) dark += field.at(somewhere(random), -1).x() < -0.05f;
+  EXPECT_NEAR(dark / 40000, 0.4, 0.03);
 }
 
 }  // namespace
