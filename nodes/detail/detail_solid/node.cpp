@@ -21,6 +21,7 @@
 #include "nodes/detail/detail_solid/spectrum.h"
 #include "nodes/detail/detail_solid/tiles.h"
 #include "nodes/detail/detail_solid/zones.h"
+#include "nodes/detail/residual/camera_noise.h"
 #include "runtime/context.h"
 
 namespace terrazzo::detail_solid {
@@ -84,8 +85,7 @@ std::vector<float> noise_of_phases(const Detail::Noise& noise, const Phases& pha
   std::vector<float> out{*std::max_element(noise.gray.begin(), noise.gray.end())};
   for (const Vec3f& color : phases.group_color) {
     const Vec3f encoded = linear_to_srgb(color);
-    const float light = encoded.mean() * static_cast<float>(noise.gray.size());
-    out.push_back(Detail::at_distance(noise.gray, light) / Detail::particle_scale(encoded));
+    out.push_back(residual::deviation_at(noise.gray, encoded.mean()) / Detail::particle_scale(encoded));
   }
   return out;
 }

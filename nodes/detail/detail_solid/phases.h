@@ -37,7 +37,7 @@ struct PhaseOptions {
   int groups = 3;       // most groups of particles
   double softness = 0;  // standard deviation of the blur of outlines, pixels
   // Of the solid's binder, scene-linear; none: the mean of its pixels that are used.
-  std::optional<Vec3f> binder;
+  std::optional<Vec3f> binder = {};
   const Labels* mask = nullptr;  // not 0: pixels that are not used; none: all are
   std::uint64_t seed = 1;
 };

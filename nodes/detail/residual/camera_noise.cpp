@@ -67,6 +67,22 @@ float share_of_means(const std::vector<float>& kernel, double edge) {
 
 }  // namespace
 
+const Eigen::Matrix3f& noise_axes() {
+  static const Eigen::Matrix3f axes = [] {
+    Eigen::Matrix3f m;
+    m.row(0) = Vec3f(1, 1, 1).normalized();
+    m.row(1) = Vec3f(1, 0, -1).normalized();
+    m.row(2) = Vec3f(1, -2, 1).normalized();
+    return m;
+  }();
+  return axes;
+}
+
+float deviation_at(const std::vector<float>& deviations, float lightness) {
+  const float n = deviations.size();
+  return Detail::at_distance(deviations, lightness * n);
+}
+
 Camera camera_of(const Detail& detail, std::uint64_t seed) {
   return {detail.softness * detail.pixel_size, &detail.noise, detail.pixel_size, seed};
 }
@@ -78,10 +94,10 @@ void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, co
   const double edge = pixel / camera.noise_pixel;
   const float share = share_of_means(noise->gray_kernel, edge),
               chroma_share = noise->chroma.empty() ? 0 : share_of_means(noise->chroma_kernel, edge);
-  const Vec3f axes[2] = {Vec3f(1, 0, -1).normalized(), Vec3f(1, -2, 1).normalized()};
+  const Vec3f red = noise_axes().row(1), green = noise_axes().row(2);
   const std::uint64_t key = mix64(camera.seed ^ kStream) + 3 * picture;
   work.quiet().parallel((height + kRows - 1) / kRows, 1, [&](std::size_t band, std::size_t) {
-    const int from = static_cast<int>(band) * kRows, to = std::min(height, from + kRows);
+    const int from = band * kRows, to = std::min(height, from + kRows);
     const auto rows = [&](const std::vector<float>& kernel, std::uint64_t channel) {
       return filtered_rows(kernel, width, height, from, to, wrap, key + channel);
     };
@@ -93,13 +109,10 @@ void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, co
       Vec3f& v = pixels[pixel_at(0, from, width) + i];
       Vec3f encoded = linear_to_srgb(v);
       const float light = encoded.mean();
-      const auto deviation = [&](const std::vector<float>& of) {
-        return Detail::at_distance(of, light * static_cast<float>(of.size()));
-      };
-      encoded.array() += share * deviation(noise->gray) * gray[i];
+      encoded.array() += share * deviation_at(noise->gray, light) * gray[i];
       if (!noise->chroma.empty())
         encoded +=
-            chroma_share * deviation(noise->chroma) * (chroma[0][i] * axes[0] + chroma[1][i] * axes[1]);
+            chroma_share * deviation_at(noise->chroma, light) * (chroma[0][i] * red + chroma[1][i] * green);
       v = srgb_to_linear(encoded.cwiseMax(0.0f));
     }
   });

@@ -1,7 +1,10 @@
 // The camera's noise in a picture.
 #pragma once
 
+#include <Eigen/Dense>
+
 #include <cstdint>
+#include <vector>
 
 #include "nodes/data/detail.h"
 #include "runtime/work.h"
@@ -18,6 +21,12 @@ struct Camera {
 
 // The camera of the photograph that the detail is from.
 Camera camera_of(const Detail&, std::uint64_t seed);
+
+// Rows: lightness times √3 and two axes of chroma, orthonormal, in which noise is measured.
+const Eigen::Matrix3f& noise_axes();
+
+// The deviation at a lightness, from those of Detail::Noise; they must not be empty.
+float deviation_at(const std::vector<float>& deviations, float lightness);
 
 // Adds noise to scene-linear pixels, row by row from the top. `picture`: its number, so that each has noise
 // of its own; `pixel`: mm; `wrap`: opposite edges join.

@@ -17,12 +17,10 @@ namespace {
 class PixelPoints {
  public:
   explicit PixelPoints(const PicturePlane& plane) : plane_(plane), normal_(plane.right.cross(plane.up)) {}
-  Vec3f at(int x, std::size_t row) const {
-    const double u = (x + 0.5) * plane_.mm_x,
-                 v = (plane_.height - static_cast<double>(row) - 0.5) * plane_.mm_y;
+  Vec3f at(int x, int row) const {
+    const double u = (x + 0.5) * plane_.mm_x, v = (plane_.height - row - 0.5) * plane_.mm_y;
     Vec3 point = plane_.origin + u * plane_.right + v * plane_.up;
-    if (!plane_.above.empty())
-      point += double{plane_.above[row * static_cast<std::size_t>(plane_.width) + x]} * normal_;
+    if (!plane_.above.empty()) point += double{plane_.above[pixel_at(x, row, plane_.width)]} * normal_;
     return point.cast<float>();
   }
 
@@ -40,9 +38,9 @@ std::vector<float> dark_zones(const PicturePlane& plane, std::span<const std::in
       binder_width(ids.data(), plane.width, plane.height, plane.wrap, detail.pixel() / plane.mm_x, work);
   const PixelPoints points(plane);
   work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row)
+    for (int row = begin; row < static_cast<int>(end); ++row)
       for (int x = 0; x < plane.width; ++x) {
-        float& width = dark[row * static_cast<std::size_t>(plane.width) + x];
+        float& width = dark[pixel_at(x, row, plane.width)];
         width = detail.dark_zone(points.at(x, row), width * pixel);
       }
   });
@@ -69,9 +67,9 @@ void add_to_picture(Vec3f* pixels, const PicturePlane& plane, std::span<const st
   const Vec3f right = plane.right.cast<float>(), up = plane.up.cast<float>();
   const PixelPoints points(plane);
   work.quiet().parallel(plane.height, 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row)
+    for (int row = begin; row < static_cast<int>(end); ++row)
       for (int x = 0; x < plane.width; ++x) {
-        const std::size_t at = row * static_cast<std::size_t>(plane.width) + x;
+        const std::size_t at = pixel_at(x, row, plane.width);
         const Vec3f mm = points.at(x, row);
         const float share = std::min(cover[at], 1.0f), depth = outlines.depth[at] * pixel,
                     size = sizes[outlines.particle[at]], zone = dark.empty() ? -1 : dark[at];

@@ -45,7 +45,7 @@ template <class Deviation>
 test::DrawnPicture noisy_disks(Deviation&& deviation) {
   const std::vector<float> noise = blurred_noise(5);
   return test::draw_disks(kEdge, 80, 30, [&](int x, int y, int id) {
-    return Vec3f(Vec3f::Constant(flat(id) + deviation(id) * noise[static_cast<std::size_t>(y) * kEdge + x]));
+    return Vec3f(Vec3f::Constant(flat(id) + deviation(id) * noise[pixel_at(x, y, kEdge)]));
   });
 }
 
@@ -98,11 +98,8 @@ TEST(CameraNoise, FollowsLightness) {
   Image clean = drawn.image;
   const Detail::Noise noise = split_noise(clean, drawn.labels, nullptr, 0, true);
   ASSERT_FALSE(noise.gray.empty());
-  const auto at = [&](float light) {
-    return Detail::at_distance(noise.gray, light * static_cast<float>(noise.gray.size()));
-  };
-  EXPECT_NEAR(at(0.7f), 0.035f, 0.005f);
-  EXPECT_NEAR(at(0.3f), 0.02f, 0.003f);
+  EXPECT_NEAR(residual::deviation_at(noise.gray, 0.7f), 0.035f, 0.005f);
+  EXPECT_NEAR(residual::deviation_at(noise.gray, 0.3f), 0.02f, 0.003f);
 }
 
 TEST(CameraNoise, IsTheSameForAnyNumberOfThreads) {
@@ -146,7 +143,7 @@ TEST(CameraNoise, GrainThatDiffersFromPlaceToPlaceStays) {
   const std::vector<float> noise = blurred_noise(6);
   const auto drawn = test::draw_disks(kEdge, 40, 17, [&](int x, int y, int id) {
     const float deviation = id == 0 ? 0 : 0.005f * static_cast<float>(1 + id % 8);
-    return Vec3f(Vec3f::Constant(0.4f + deviation * noise[static_cast<std::size_t>(y) * kEdge + x]));
+    return Vec3f(Vec3f::Constant(0.4f + deviation * noise[pixel_at(x, y, kEdge)]));
   });
   EXPECT_TRUE(keeps(drawn));
 }
@@ -154,7 +151,7 @@ TEST(CameraNoise, GrainThatDiffersFromPlaceToPlaceStays) {
 TEST(CameraNoise, ChromaIsMeasuredApart) {
   const std::vector<float> gray = blurred_noise(7), red = blurred_noise(8);
   const auto drawn = test::draw_disks(kEdge, 80, 30, [&](int x, int y, int id) {
-    const std::size_t at = static_cast<std::size_t>(y) * kEdge + x;
+    const std::size_t at = pixel_at(x, y, kEdge);
     return Vec3f(Vec3f::Constant(flat(id) + 0.02f * gray[at]) + 0.01f * red[at] * Vec3f(1, 0, -1));
   });
   Image clean = drawn.image;
@@ -181,7 +178,7 @@ TEST(CameraNoise, TilesAndDiffersBetweenPictures) {
   Detail::Noise noise;
   noise.gray.assign(4, 0.02f);
   constexpr int kSide = 2 * Detail::Noise::kReach + 1;
-  noise.gray_kernel.assign(static_cast<std::size_t>(kSide) * kSide, 1.0f / kSide);  // very broad
+  noise.gray_kernel.assign(pixels_in(kSide, kSide), 1.0f / kSide);  // very broad
   residual::Camera camera;
   camera.noise = &noise;
   const auto picture = [&](bool wrap, std::uint64_t number) {
@@ -256,7 +253,7 @@ TEST(CameraNoise, KnowsMasksAndSections) {
   }
   const Detail::Noise noise = split_noise(two, labels, &mask, 0, true);
   ASSERT_FALSE(noise.gray.empty());
-  EXPECT_NEAR(Detail::at_distance(noise.gray, 0.7f * static_cast<float>(noise.gray.size())), 0.03f, 0.005f);
+  EXPECT_NEAR(residual::deviation_at(noise.gray, 0.7f), 0.03f, 0.005f);
 }
 
 TEST(CameraNoise, SmallPicturesHaveNone) {

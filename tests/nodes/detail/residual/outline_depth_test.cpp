@@ -36,7 +36,7 @@ TEST(BinderWidth, WithoutParticlesIsTheWidest) {
   for (const float w : residual::binder_width(none.data(), 40, 30, false)) EXPECT_NEAR(w, 64, 8);
 }
 
-// The binder goes on beyond the edges of a tile: 75 pixels at its right edge and 5 at its left.
+// A gap of 80 pixels that crosses the edge of a tile: 75 pixels lie at the right edge and 5 at the left.
 TEST(BinderWidth, GoesOnAcrossTheEdgesOfATile) {
   std::vector<std::int32_t> ids(pixels_in(300, 40), 1);
   for (int y = 0; y < 40; ++y)
