@@ -90,9 +90,9 @@ void number_present(Identified& found) {
 }
 
 // Crystals that were never turned are an oversight.
-void warn_of_equal_orientations(Context& c, const VoxelJob& job, const Regions& regions) {
+void warn_of_equal_orientations(Context& c, const VoxelJob& job, const SolverMaterials& materials,
+                                const Regions& regions) {
   if (!job.particles) return;
-  const SolverMaterials materials(*job.materials);
   std::size_t crystals = 0, turned = 0;
   const Region* first = nullptr;
   for (const Region& r : regions.all) {
@@ -116,7 +116,7 @@ void export_vti(Context& c, const VoxelJob& job) {
   number_present(*found);
   if (materials) {
     check_damask(found->regions, *materials, job.particles);
-    warn_of_equal_orientations(c, job, found->regions);
+    warn_of_equal_orientations(c, job, *materials, found->regions);
   }
   write_named(c, job.path, [&](const fs::path& file) { write_vti(file, content, c.work().part(0.2, 1)); });
   if (found->id) write_region_table(c, job, found->regions, content.box);
@@ -160,7 +160,7 @@ void export_inp(Context& c, const VoxelJob& job) {
   if (materials) {
     check_inp_job(parts);
     materials->require_stiffness(found.regions, job.particles != nullptr);
-    warn_of_equal_orientations(c, job, found.regions);
+    warn_of_equal_orientations(c, job, *materials, found.regions);
     write_named(c, named("_materials.inp"), [&](const fs::path& file) {
       write_inp_materials(file, found.regions, *materials, job.particles);
     });
