@@ -36,7 +36,7 @@ namespace terrazzo {
 
 NodeType export_node() {
   using namespace exporting;
-  NodeType type("Export", 10);
+  NodeType type("Export", 11);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
@@ -44,7 +44,7 @@ NodeType export_node() {
           "DREAM3D file version 7.0; "
           "NIfTI-1; "
           "Abaqus keywords; DAMASK 3; Neper tesr 2.1; OpenFOAM; LAMMPS; Gmsh MSH 2.2; NanoVDB 32; Mitsuba 3; "
-          "pbrt-v4; OpenImageIO; RFC 4180");
+          "pbrt-v4; OpenImageIO; DDS with header DX10; KTX 2.0; RFC 4180");
   for (const Input& in : kInputs) type.optional_input(in.name, {in.type}, in.doc);
   for (const MapName& map : kMaps) type.optional_input(map.name, {"Image"}, map.doc);
   return type.optional_input("value", {}, "Value of any of these types, instead of the input of that type")
@@ -59,12 +59,14 @@ NodeType export_node() {
           "(particles as spheres, for LAMMPS and LIGGGHTS), .msh, .stl (surfaces of a volume's particles, "
           "cut at the sides of the box), .npy (one "
           "grid of a volume, or labels), .nii, .nii.gz (one grid of a volume), .png, .jpg, .tif, .exr, .hdr "
-          "(images; a stack becomes name_000, name_001, …; .png, .tif, .exr: also one texture map), .png, "
-          ".tif, .exr (labels, as exact ids), .csv "
+          "(images; a stack becomes name_000, name_001, …; .png, .tif, .exr: also one texture map), .dds, "
+          ".ktx2, "
+          ".png (one grid of a volume as a 3D texture or, in .png, as its slices in rows), .png, .tif, .exr "
+          "(labels, as exact ids), .csv "
           "(tables, profiles, particles, distributions, K matrices, shapes), .geojson, .coco.json, .roi, "
           ".zip (outlines of labels or profiles: GeoJSON, COCO, ImageJ; profiles need image or labels beside "
           "them), .json (any type), .obj, .ply, "
-          ".stl (shapes)."))
+          ".stl (shapes, or particles with shapes)."))
       .parameter(
           Parameter::choice("instancing", "extension", {"extension", "nodes"})
               .doc_(".glb: extension: one node per shape with EXT_mesh_gpu_instancing, compact. nodes: "
@@ -76,15 +78,21 @@ NodeType export_node() {
               .doc_(".glb with instancing: nodes, .xml, .pbrt: most materials. More colors than that are "
                     "rounded to this many; the extras of each node of a .glb file have the exact color."))
       .parameter(
+          Parameter::choice("crossing", "once", {"once", "repeated", "cut"})
+              .doc_(".glb, .usda, .xml, .pbrt, .obj, .ply, .stl: particles that reach out of the periodic "
+                    "box. once: whole, so that copies of the box join. repeated: also at opposite sides, "
+                    "wherever a part is in the box. cut: cut at the sides into closed meshes, which copies "
+                    "of the box continue."))
+      .parameter(
           Parameter::choice("id_type", "float", {"float", "int32"})
               .doc_(".vdb: type of the grids of whole numbers (id, source). float: more programs read it; "
                     "exact up to 2^24. int32: unchanged. LoadVolume gives the same grids for both."))
       .parameter(Parameter::with_keyword(ParameterKind::Texts, "grids", "auto")
                      .count(1, 64)
                      .doc_(".vdb, .nvdb, .vti, .vtu, .dream3d, .usda: names of the grids to write. .npy, "
-                           ".nii: name of "
-                           "the one grid. "
-                           "auto: all; for .npy and .nii, id or the only grid."))
+                           ".nii: name of the one grid. .dds, .ktx2, .png: the grid, and for alpha one of "
+                           "single numbers. auto: all; for .npy and .nii, id or the only grid; for .dds, "
+                           ".ktx2 and .png, Cd or the only grid."))
       .parameter(
           Parameter::choice("regions", "particles", {"particles", "phases"})
               .doc_(".vti, .vtu, .dream3d, .inp, .tesr, .foam, .msh: what has a number, element set or "

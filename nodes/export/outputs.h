@@ -10,6 +10,7 @@
 #include "nodes/data/shapes.h"
 #include "nodes/data/table.h"
 #include "nodes/export/formats.h"
+#include "nodes/export/tiled_packing.h"
 #include "runtime/context.h"
 
 namespace terrazzo::exporting {
@@ -42,9 +43,9 @@ void export_inp(Context&, const VoxelJob&);
 void export_tesr(Context&, const VoxelJob&);
 void export_foam(Context&, const VoxelJob&);
 void export_surfaces(Context&, const VoxelJob&);  // of the regions of a volume: .msh, .stl
-// .usda, .xml (Mitsuba) and .pbrt. `volume` may be null, and for .usda also `particles`: then the shapes are
+// .usda, .xml (Mitsuba) and .pbrt. `volume` may be null, and for .usda also `packing`: then the shapes are
 // written.
-void export_scene(Context&, const std::string& path, const Format&, const Particles* particles, const Shapes&,
-                  const Volume* volume);
+void export_scene(Context&, const std::string& path, const Format&, const TiledPacking* packing,
+                  const Shapes&, const Volume* volume);
 
 }  // namespace terrazzo::exporting

@@ -13,9 +13,10 @@
 namespace terrazzo::exporting {
 namespace {
 
-void export_usda(Context& c, const std::string& path, const Format& format, const Particles* particles,
+void export_usda(Context& c, const std::string& path, const Format& format, const TiledPacking* packing,
                  const Shapes& shapes, const Volume* volume) {
-  if (particles) instances_of(*particles, shapes);  // throws before the first of two files is written
+  if (packing)
+    instances_of(packing->particles, packing->shapes);  // throws before the first of two files is written
   UsdaVolume beside_it;
   Volume chosen;
   if (volume) {
@@ -30,8 +31,9 @@ void export_usda(Context& c, const std::string& path, const Format& format, cons
     });
   }
   write_named(c, path, [&](const std::filesystem::path& file) {
-    if (particles)
-      write_usda(file, *particles, shapes, beside_it, c.provenance(), c.work());
+    if (packing)
+      write_usda(file, packing->particles, packing->shapes, beside_it, c.provenance(), c.work(),
+                 packing->index);
     else
       write_usda(file, shapes, beside_it, c.provenance(), c.work());
   });
@@ -72,12 +74,12 @@ void export_rendering(Context& c, const std::string& path, const Format& format,
 
 }  // namespace
 
-void export_scene(Context& c, const std::string& path, const Format& format, const Particles* particles,
+void export_scene(Context& c, const std::string& path, const Format& format, const TiledPacking* packing,
                   const Shapes& shapes, const Volume* volume) {
   if (format.extension == ".usda")
-    export_usda(c, path, format, particles, shapes, volume);
+    export_usda(c, path, format, packing, shapes, volume);
   else
-    export_rendering(c, path, format, *particles, shapes, volume);
+    export_rendering(c, path, format, packing->particles, packing->shapes, volume);
 }
 
 }  // namespace terrazzo::exporting

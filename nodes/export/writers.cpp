@@ -18,6 +18,7 @@
 #include "nodes/export/formats/outlines/outlines.h"
 #include "nodes/export/formats/picture_file.h"
 #include "nodes/export/formats/shapes_json.h"
+#include "nodes/export/formats/solid_texture.h"
 #include "nodes/export/formats/solvers/lammps_file.h"
 #include "nodes/export/formats/vdb_file.h"
 #include "nodes/export/outputs.h"
@@ -70,6 +71,35 @@ Volume grids_for_nvdb(Context& c, const Volume& volume) {
   Volume out = fit_for_nvdb(volume, lost);
   for (const std::string& name : lost)
     c.warn(fmt::format("the grid '{}' is left out: a .nvdb file has no type for it", name));
+  return out;
+}
+
+// The grids of a texture: those that the parameter names, else Cd or the only one.
+std::vector<std::string> texture_grids(const Context& c, const Volume& volume) {
+  const auto all = grid_names(volume);
+  if (c.keyword("grids").empty()) return c.texts("grids");
+  if (std::find(all.begin(), all.end(), "Cd") != all.end()) return {"Cd"};
+  if (all.size() > 1)
+    throw Error("several-grids",
+                fmt::format("a texture holds one grid; the volume has {}", fmt::join(all, ", ")),
+                "name one of them with grids")
+        .parameter("grids");
+  if (all.empty()) throw Error("no-grids", "the volume has no grids to write");
+  return all;
+}
+
+// The packing as the parameter crossing has it.
+TiledPacking packing_of(const Job& job, bool flat_caps) {
+  require_value(job.format, job.values, "Shapes");
+  Context& c = job.context;
+  const auto crossing = c.choice<Crossing>("crossing");
+  TiledPacking out = tiled_packing(*job.particles(), *job.find<Shapes>("Shapes"), crossing, flat_caps,
+                                   c.work().part(0, 0.5));
+  if (crossing != Crossing::Once) c.metric("instances", out.particles.count());
+  if (crossing == Crossing::Cut) {
+    c.metric("parts", out.parts);
+    c.metric("fraction", out.fraction);
+  }
   return out;
 }
 
@@ -136,10 +166,12 @@ void write_glb_file(const Job& job) {
   if (particles && texture)
     throw Error("no-uv", "an image is the texture of shapes without particles; both are connected",
                 "disconnect the image or the particles");
+  std::optional<TiledPacking> packing;
+  if (particles) packing = packing_of(job, true);
   write_named(c, job.path, [&](const fs::path& file) {
-    if (particles)
-      write_glb(file, *particles, shapes, c.provenance(), c.work(), c.choice<Instancing>("instancing"),
-                static_cast<int>(c.integer("materials")));
+    if (packing)
+      write_glb(file, packing->particles, packing->shapes, c.provenance(), c.work().part(0.5, 1),
+                c.choice<Instancing>("instancing"), static_cast<int>(c.integer("materials")), packing->index);
     else
       write_glb(file, shapes, c.provenance(), c.work(), texture);
   });
@@ -175,8 +207,14 @@ void write_materialx_file(const Job& job) {
 }
 
 void write_mesh_file(const Job& job) {
-  write_named(job.context, job.path,
-              [&](const fs::path& file) { write_mesh(file, job.only().as<Shapes>()); });
+  std::optional<TiledPacking> packing;
+  if (job.particles()) packing = packing_of(job, false);
+  write_named(job.context, job.path, [&](const fs::path& file) {
+    if (packing)
+      write_mesh(file, packing->particles, packing->shapes, job.context.work().part(0.5, 1));
+    else
+      write_mesh(file, *job.find<Shapes>("Shapes"));
+  });
 }
 
 void write_nifti_file(const Job& job) {
@@ -231,6 +269,7 @@ void write_outlines(const Job& job) {
 void write_pictures(const Job& job) {
   if (const Image* image = job.find<Image>("Image")) return write_sections(job, *image, write_picture);
   if (const Labels* labels = job.find<Labels>("Labels")) return write_sections(job, *labels, write_labels);
+  if (job.volume()) return write_solid_texture(job);
   const MaterialMaps maps = job.maps();
   for (const MapName& map : kMaps)
     if (const Image* image = maps.*map.image)
@@ -239,13 +278,37 @@ void write_pictures(const Job& job) {
 }
 
 void write_scene(const Job& job) {
-  export_scene(job.context, job.path, job.format, job.particles(), *job.find<Shapes>("Shapes"), job.volume());
+  std::optional<TiledPacking> packing;
+  if (job.particles()) packing = packing_of(job, true);
+  export_scene(job.context, job.path, job.format, packing ? &*packing : nullptr, *job.find<Shapes>("Shapes"),
+               job.volume());
+}
+
+void write_solid_texture(const Job& job) {
+  Context& c = job.context;
+  const Volume& volume = *job.volume();
+  const std::vector<std::string> grids = texture_grids(c, volume);
+  const std::string& end = job.format.extension;
+  const bool picture = end == ".png";
+  const SolidTexels texels = solid_texels(volume, grids, picture, c.memory(), c.work().part(0, 0.5));
+  if (picture) {
+    c.metric("columns", atlas_columns(texels.size.z()));
+    c.metric("rows", atlas_rows(texels.size.z()));
+  }
+  write_named(c, job.path, [&](const fs::path& file) {
+    if (picture)
+      write_slice_atlas(file, texels, c.provenance());
+    else if (end == ".dds")
+      write_dds(file, texels);
+    else
+      write_ktx2(file, texels, c.provenance());
+  });
 }
 
 void write_stl_file(const Job& job) {
   if (!job.find<Shapes>("Shapes")) return write_surfaces(job);
-  if (job.values.size() > 1)
-    throw Error("format-does-not-fit", "a .stl file holds one shape, or the surface of a volume, not both",
+  if (job.volume())
+    throw Error("format-does-not-fit", "a .stl file holds shapes or the surface of a volume, not both",
                 "use one Export node for each")
         .parameter("path");
   write_mesh_file(job);
@@ -254,7 +317,7 @@ void write_stl_file(const Job& job) {
 void write_surfaces(const Job& job) {
   if (!job.volume())
     throw Error("missing-input", "particles without their shapes and volume have no surface",
-                "connect Voxelize.volume, or shapes");
+                "connect the shapes, or Voxelize.volume");
   write_voxels<export_surfaces>(job);
 }
 

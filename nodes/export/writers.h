@@ -76,15 +76,16 @@ void write_glb_file(const Job&);  // also "no-uv"
 void write_json_file(const Job&);
 void write_lammps_file(const Job&);
 void write_materialx_file(const Job&);  // also the maps beside it
-void write_mesh_file(const Job&);       // .obj, .ply
+void write_mesh_file(const Job&);       // of shapes or a packing: .obj, .ply, .stl
 void write_nifti_file(const Job&);      // .nii, .nii.gz
 void write_npy_file(const Job&);
 void write_nvdb_file(const Job&);
-void write_outlines(const Job&);  // .geojson, .coco.json, .roi, .zip; also "missing-input"
-void write_pictures(const Job&);  // .png, .tif, .exr, .jpg, .hdr; one file per section
-void write_scene(const Job&);     // .usda, .xml (Mitsuba), .pbrt
-void write_stl_file(const Job&);  // of shapes or of a volume; also "format-does-not-fit"
-void write_surfaces(const Job&);  // .msh and .stl of a volume; also "missing-input"
+void write_outlines(const Job&);       // .geojson, .coco.json, .roi, .zip; also "missing-input"
+void write_pictures(const Job&);       // .png, .tif, .exr, .jpg, .hdr; one file per section
+void write_solid_texture(const Job&);  // of a volume: .dds, .ktx2 and, as slices, .png
+void write_scene(const Job&);          // .usda, .xml (Mitsuba), .pbrt
+void write_stl_file(const Job&);       // of shapes, a packing or a volume; also "format-does-not-fit"
+void write_surfaces(const Job&);       // .msh and .stl of a volume; also "missing-input"
 void write_vdb_file(const Job&);
 // .vti, .vtu, .dream3d, .inp, .tesr, .foam
 template <void (*write)(Context&, const VoxelJob&)>

@@ -15,6 +15,7 @@
 #include "nodes/export/formats/nifti_file.h"
 #include "nodes/export/formats/npy_file.h"
 #include "nodes/export/formats/picture_file.h"
+#include "nodes/export/formats/solid_texture.h"
 #include "nodes/export/formats/solvers/dream3d_file.h"
 #include "nodes/export/formats/solvers/vti_file.h"
 #include "nodes/export/formats/vdb_file.h"
@@ -216,6 +217,8 @@ void voxel_files(Writer& w) {
                   {box, {ids, colors}, &ids, &regions, nullptr, "{\"document\":\"\"}"});
   write_npy(w.place("LoadVolume.npy", "a.npy"), ids, box);
   write_nifti(w.place("provenance.nii", "a.nii"), ids, box, "{\"document\":\"\"}");
+  write_ktx2(w.place("provenance.ktx2", "a.ktx2"), solid_texels(v, {"Cd"}, false, 1 << 20),
+             "{\"document\":\"\"}");
 }
 
 void niftis(Writer& w) {

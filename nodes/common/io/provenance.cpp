@@ -57,6 +57,29 @@ std::string from_dream3d(const std::filesystem::path& path, const Reading& readi
   }
 }
 
+// Khronos Texture 2.0, 3: pairs of keys and values before the texels.
+std::string from_ktx2(const std::filesystem::path& path, const Reading& reading) {
+  try {
+    const std::string data = read_whole(path, reading);
+    const auto word = [&](std::size_t at) {
+      std::uint32_t v = 0;
+      if (at + 4 <= data.size()) std::memcpy(&v, data.data() + at, sizeof v);
+      return std::size_t{v};
+    };
+    if (data.compare(0, 7, "\xabKTX 20") != 0) return "";
+    const std::string key("terrazzo.provenance", 20);  // with the 0 after it
+    const std::size_t end = std::min(data.size(), word(56) + word(60));
+    for (std::size_t at = word(56), length = 0; at + 4 < end; at += 4 + (length + 3) / 4 * 4) {
+      length = std::min(word(at), end - at - 4);
+      if (length > key.size() && data.compare(at + 4, key.size(), key) == 0)
+        return data.substr(at + 4 + key.size(), length - key.size() - 1);
+    }
+    return "";
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 }  // namespace
 
 std::string read_provenance(const std::filesystem::path& path) {
@@ -64,6 +87,7 @@ std::string read_provenance(const std::filesystem::path& path) {
   const std::string extension = path.extension().string();
   if (extension == ".glb") return from_glb(path, reading);
   if (extension == ".vdb") return from_vdb(path, reading);
+  if (extension == ".ktx2") return from_ktx2(path, reading);
   if (extension == ".dream3d") return from_dream3d(path, reading);
   if (extension == ".vti" || extension == ".vtu") return provenance_in_vti(path);
   if (extension == ".usda") return provenance_in_usda(path);

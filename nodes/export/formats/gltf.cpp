@@ -21,8 +21,12 @@ std::array<double, 4> y_up_rotation(const Quat& orientation) {
   return {axis.x(), axis.y(), axis.z(), q.w()};
 }
 
+std::size_t index_of(const std::vector<std::int32_t>& index, std::size_t i) {
+  return index.empty() ? i : index[i];
+}
+
 void add_instanced(GltfPacker& pack, const Particles& particles, const Shapes& shapes, const Members& members,
-                   const Work& work) {
+                   const std::vector<std::int32_t>& index, const Work& work) {
   pack.model.extensionsUsed = {"EXT_mesh_gpu_instancing"};
   // A reader without the extension must report an error, not show one particle at the origin.
   pack.model.extensionsRequired = {"EXT_mesh_gpu_instancing"};
@@ -39,7 +43,7 @@ void add_instanced(GltfPacker& pack, const Particles& particles, const Shapes& s
         color.push_back(particles.color[i][k]);
       }
       for (const double q : y_up_rotation(particles.orientation[i])) rotation.push_back(float(q));
-      id.push_back(float(i));
+      id.push_back(float(index_of(index, i)));
     }
     tinygltf::Node node;
     node.name = shapes.shapes[s].name;
@@ -58,7 +62,7 @@ void add_instanced(GltfPacker& pack, const Particles& particles, const Shapes& s
 }
 
 void add_nodes(GltfPacker& pack, const Particles& particles, const Shapes& shapes, const Members& members,
-               int materials, const Work& work) {
+               int materials, const std::vector<std::int32_t>& index, const Work& work) {
   std::vector<Vec3f> colors;
   for (const auto& of_shape : members)
     for (const std::size_t i : of_shape) colors.push_back(particles.color[i]);
@@ -92,7 +96,7 @@ void add_nodes(GltfPacker& pack, const Particles& particles, const Shapes& shape
       node.scale.assign(3, particles.scale[i]);
       const Vec3f& color = particles.color[i];
       Gltf::Object extras;
-      extras["id"] = Gltf(static_cast<int>(i));
+      extras["id"] = Gltf(static_cast<int>(index_of(index, i)));
       extras["class"] = Gltf(particles.cls[i]);
       extras["size_mm"] = Gltf(particles.size[i]);
       extras["color"] =
@@ -107,13 +111,14 @@ void add_nodes(GltfPacker& pack, const Particles& particles, const Shapes& shape
 }  // namespace
 
 void write_glb(const std::filesystem::path& path, const Particles& particles, const Shapes& shapes,
-               const std::string& provenance, const Work& work, Instancing instancing, int materials) {
+               const std::string& provenance, const Work& work, Instancing instancing, int materials,
+               const std::vector<std::int32_t>& index) {
   const Members members = instances_of(particles, shapes);
   GltfPacker pack;
   if (instancing == Instancing::Extension)
-    add_instanced(pack, particles, shapes, members, work);
+    add_instanced(pack, particles, shapes, members, index, work);
   else
-    add_nodes(pack, particles, shapes, members, materials, work);
+    add_nodes(pack, particles, shapes, members, materials, index, work);
   pack.write(path, provenance);
 }
 

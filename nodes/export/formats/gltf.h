@@ -5,8 +5,10 @@
 // factors.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "nodes/data/image.h"
 #include "nodes/data/particles.h"
@@ -21,7 +23,7 @@ enum class Instancing {
   Nodes,      // one node per particle, for readers without the extension: Blender, Godot, Unreal
 };
 
-// Each particle of the periodic box appears once, with its center inside the box. Voids are omitted.
+// Voids are omitted.
 //
 // Extension: one mesh and one node per shape in use. The node's instances have TRANSLATION, ROTATION, SCALE,
 // `_COLOR_0` (three floats, scene-linear; three.js uses it as the instance color) and `_ID` (the particle's
@@ -32,11 +34,12 @@ enum class Instancing {
 // buffers and differ in the material; there are at most `materials` of them (color_classes.h), so colors are
 // rounded if the particles have more.
 //
-// `provenance` is a JSON object for asset.extras, or empty. Throws the errors of instances_of, Error
-// "too-large" (binary glTF is limited to 4 GiB), "write-failed".
+// `provenance` is a JSON object for asset.extras, or empty. `index`: the index to write for each particle;
+// empty: its own. Throws the errors of instances_of, Error "too-large" (binary glTF is limited to 4 GiB),
+// "write-failed".
 void write_glb(const std::filesystem::path&, const Particles&, const Shapes&,
                const std::string& provenance = {}, const Work& = {}, Instancing = Instancing::Extension,
-               int materials = 64);
+               int materials = 64, const std::vector<std::int32_t>& index = {});
 
 // Writes one node per shape, side by side along x, with the colors of shapes that have them. With `texture`,
 // shapes with texture coordinates show it instead. Throws Error "no-shapes", "no-uv" if none has them,

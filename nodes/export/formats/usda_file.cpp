@@ -205,7 +205,7 @@ Eigen::AlignedBox3d extent_of(const Particles& particles, const Shapes& shapes,
 
 // `solid`: the particles that are written. `prototype`: the number of each shape's prototype.
 void add_instances(UsdaText& text, const Particles& particles, const std::vector<std::size_t>& solid,
-                   const std::vector<int>& prototype) {
+                   const std::vector<int>& prototype, const std::vector<std::int32_t>& index) {
   const std::size_t n = solid.size();
   text.array(2, "int[] protoIndices", n, [&](std::size_t i) { return prototype[particles.shape[solid[i]]]; });
   text.array(2, "int64[] ids", n, [&](std::size_t i) { return solid[i]; });
@@ -225,12 +225,16 @@ void add_instances(UsdaText& text, const Particles& particles, const std::vector
       2, "float[] primvars:size", n,
       [&](std::size_t i) { return fmt::format("{}", static_cast<float>(particles.size[solid[i]])); },
       kPerInstance);
+  if (!index.empty())
+    text.array(
+        2, "int[] primvars:particle", n, [&](std::size_t i) { return index[solid[i]]; }, kPerInstance);
 }
 
 }  // namespace
 
 void write_usda(const std::filesystem::path& path, const Particles& particles, const Shapes& shapes,
-                const UsdaVolume& volume, const std::string& provenance, const Work& work) {
+                const UsdaVolume& volume, const std::string& provenance, const Work& work,
+                const std::vector<std::int32_t>& index) {
   const auto members = instances_of(particles, shapes);
   std::vector<std::size_t> solid;  // particles that are written
   std::vector<int> prototype(members.size(), -1);
@@ -258,7 +262,7 @@ void write_usda(const std::filesystem::path& path, const Particles& particles, c
     text.line(2, fmt::format("float3[] extent = [{}, {}]", tuple(extent.min()), tuple(extent.max())));
     text.array(2, "rel prototypes", names.size(),
                [&](std::size_t i) { return fmt::format("</Aggregate/Particles/Prototypes/{}>", names[i]); });
-    add_instances(text, particles, solid, prototype);
+    add_instances(text, particles, solid, prototype, index);
     text.line(0, "");
     text.line(2, "def Scope \"Prototypes\"");
     text.line(2, "{");

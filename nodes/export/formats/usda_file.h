@@ -2,8 +2,10 @@
 // Lengths in mm (metersPerUnit 0.001), z up, colors scene-linear.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "nodes/data/opaque_volume.h"
 #include "nodes/data/particles.h"
@@ -23,13 +25,15 @@ struct UsdaVolume {
 // errors below 0.06 degrees), scales, ids (the particle's index), primvars:displayColor, primvars:class and
 // primvars:size (mm), with the interpolation "vertex", one value per instance; and extent. Prototypes have
 // subdivisionScheme "none"; smooth shapes have normals. One UsdPreviewSurface takes its color from
-// displayColor. Each particle of the periodic box appears once. With `volume`, /Aggregate/Volume has one
-// OpenVDBAsset per grid and is invisible at first, since it fills the same space.
+// displayColor. With `volume`, /Aggregate/Volume has one OpenVDBAsset per grid and is invisible at first,
+// since it fills the same space. With `index`, primvars:particle has it, while ids count, since they must
+// differ.
 //
 // `provenance`: JSON for customLayerData, or empty. Throws the errors of instances_of and render_mesh, Error
 // "write-failed".
 void write_usda(const std::filesystem::path&, const Particles&, const Shapes&, const UsdaVolume& = {},
-                const std::string& provenance = {}, const Work& = {});
+                const std::string& provenance = {}, const Work& = {},
+                const std::vector<std::int32_t>& index = {});
 
 // Shapes alone: one Mesh each in /Aggregate, all in the same place, with the colors of vertices as
 // displayColor (interpolation "vertex") if they have any. Throws Error "no-shapes" and the errors of

@@ -46,7 +46,7 @@ int append_writer(const Registry& registry, Graph& graph, const Wire& wire, cons
     node.place = {"command line (-o)", 0, 0};
     node.inputs[port->name] = {wire};
     // Scenes store particles as mesh instances, and spheres have their volumes; the value contains no meshes.
-    const std::set<std::string> scenes = {".glb", ".usda", ".xml", ".pbrt", ".lmp"};
+    const std::set<std::string> scenes = {".glb", ".usda", ".xml", ".pbrt", ".lmp", ".obj", ".ply", ".stl"};
     if (type_of(graph, wire) == "Particles" && scenes.count(file.extension().string()))
       if (const auto shapes = nearest_upstream(graph, wire, "Shapes"))
         for (const auto& p : type->inputs)

@@ -42,6 +42,10 @@ json all_files() {
     out[name] = files_of(name, {{"particles", particles}, {"shapes", shapes}});
   out["nodes.glb"] =
       files_of("nodes.glb", {{"particles", particles}, {"shapes", shapes}}, {{"instancing", "nodes"}});
+  for (const char* name : {"cut.glb", "cut.usda", "cut.obj", "cut.ply", "cut.stl"})
+    out[name] = files_of(name, {{"particles", particles}, {"shapes", shapes}}, {{"crossing", "cut"}});
+  for (const char* name : {"a.dds", "a.ktx2"})
+    out[name] = files_of(name, {{"volume", volume}}, {{"grids", "Cd"}});
   for (const char* name : {"b.usda", "b.xml", "b.pbrt"})
     out[name] = files_of(name, {{"particles", particles}, {"shapes", shapes}, {"volume", volume}});
   Labels labels{3, 2, 1, 0.5, {1, 1, 0, 2, 1, 1}, {0, 1}};
