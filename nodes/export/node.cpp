@@ -23,10 +23,26 @@ std::map<std::string, Value> connected(const Context& c) {
   return values;
 }
 
+// The format, which holds several maps if they are to be packed. Throws Error "format-does-not-fit".
+Format chosen_format(const Context& c) {
+  Format format = format_of(c.text("path"));
+  if (!c.keyword("pack").empty()) return format;
+  const std::string& end = format.extension;
+  format.types.clear();
+  for (const MapName& map : kMaps) format.types.push_back(map.name);
+  format.several = true;
+  if (end != ".png" && end != ".tif" && end != ".exr")
+    throw Error("format-does-not-fit", "pack makes a .png, .tif or .exr picture, not a " + end + " file",
+                "change the extension, or remove pack")
+        .parameter("pack");
+  return format;
+}
+
 void compute(Context& c) {
-  const Job job{c, c.text("path"), format_of(c.text("path")), connected(c)};
-  check_fit(job.format, job.values);
-  job.format.write(job);
+  const Format format = chosen_format(c);
+  const Job job{c, c.text("path"), format, connected(c)};
+  check_fit(format, job.values);
+  format.write(job);
 }
 
 }  // namespace
@@ -36,7 +52,7 @@ namespace terrazzo {
 
 NodeType export_node() {
   using namespace exporting;
-  NodeType type("Export", 11);
+  NodeType type("Export", 12);
   type.doc_(
           "Writes the connected values to a file below the output folder. The extension selects the format.")
       .source_(
@@ -106,6 +122,13 @@ NodeType export_node() {
                            "the same surface, by at most half a voxel in all. 0: faces of voxels."))
       .parameter(Parameter::choice("shader", "standard_surface", {"standard_surface", "open_pbr_surface"})
                      .doc_(".mtlx: standard_surface: MaterialX 1.38. open_pbr_surface: MaterialX 1.39."))
+      .parameter(
+          Parameter::with_keyword(ParameterKind::Texts, "pack", "none")
+              .count(1, 4)
+              .doc_(".png, .tif, .exr of texture maps: what each channel holds, such as [occlusion, "
+                    "roughness, black] or [black, occlusion, white, 1-roughness]: a map, with .g or .b "
+                    "for its other channels and 1- before it for one minus its value, or black or "
+                    "white. none: one map in a file of its own."))
       .parameter(Parameter::choice("compression", "zlib", {"zlib", "none"})
                      .doc_(".vti, .vtu, .dream3d: compression of the voxels."))
       .writes_files_()

@@ -271,6 +271,10 @@ void write_pictures(const Job& job) {
   if (const Labels* labels = job.find<Labels>("Labels")) return write_sections(job, *labels, write_labels);
   if (job.volume()) return write_solid_texture(job);
   const MaterialMaps maps = job.maps();
+  if (job.context.keyword("pack").empty())
+    return write_named(job.context, job.path, [&](const fs::path& file) {
+      write_packed_maps(file, maps, job.context.texts("pack"), job.context.provenance());
+    });
   for (const MapName& map : kMaps)
     if (const Image* image = maps.*map.image)
       write_named(job.context, job.path,

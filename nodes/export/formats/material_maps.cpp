@@ -81,22 +81,71 @@ Shape plane(double width, double height) {
   return s;
 }
 
+// Of all connected maps, which are also finite.
 void require_equal_sizes(const MaterialMaps& maps) {
-  if (!maps.base_color)
-    throw Error("missing-input", "a material needs the map base_color, which is not connected",
-                "connect base_color of TextureSet or Bake");
-  for (const MapName& map : kMaps)
-    if (const Image* image = maps.*map.image) {
-      require_one_section(map.name, *image);
-      require_finite(map, *image);
-    }
-  for (const MapName& map : kMaps)
-    if (const Image* image = maps.*map.image;
-        image && (image->width != maps.base_color->width || image->height != maps.base_color->height))
+  const MapName* first = nullptr;
+  for (const MapName& map : kMaps) {
+    const Image* image = maps.*map.image;
+    if (!image) continue;
+    require_one_section(map.name, *image);
+    require_finite(map, *image);
+    if (!first) first = &map;
+    const Image& other = *(maps.*first->image);
+    if (image->width != other.width || image->height != other.height)
       throw Error("size-mismatch",
-                  fmt::format("{} has {} × {} pixels, but base_color has {} × {}", map.name, image->width,
-                              image->height, maps.base_color->width, maps.base_color->height),
+                  fmt::format("{} has {} × {} pixels, but {} has {} × {}", map.name, image->width,
+                              image->height, first->name, other.width, other.height),
                   "connect maps of the same node");
+  }
+}
+
+// What a channel of a packed picture holds.
+struct PackedChannel {
+  const Image* image = nullptr;  // null: the constant
+  int channel = 0;
+  bool inverted = false;
+  float constant = 0;
+
+  float at(std::size_t i) const {
+    const float v = image ? image->pixels[i][channel] : constant;
+    return inverted ? 1 - v : v;
+  }
+};
+
+PackedChannel packed_channel(const std::string& word, const MaterialMaps& maps, bool floats) {
+  if (word == "black" || word == "white") return {nullptr, 0, false, word == "white" ? 1.0f : 0.0f};
+  const auto bad = [&](const std::string& why) {
+    return Error(
+               "bad-value", fmt::format("'{}' in pack {}", word, why),
+               "use normal, height, roughness, occlusion or id, with .g or .b for its other channels and 1- "
+               "before it for one minus its value, or black or white")
+        .parameter("pack");
+  };
+  PackedChannel out;
+  std::string name = word;
+  out.inverted = name.starts_with("1-");
+  if (out.inverted) name.erase(0, 2);
+  if (name.size() > 2 && name[name.size() - 2] == '.') {
+    const auto channel = std::string("rgb").find(name.back());
+    if (channel == std::string::npos) throw bad("is no channel");
+    out.channel = static_cast<int>(channel);
+    name.resize(name.size() - 2);
+  }
+  for (const MapName& map : kMaps) {
+    if (name != map.name) continue;
+    if (is(map, &MaterialMaps::base_color)) throw bad("is not raw, while packed channels are");
+    if (is(map, &MaterialMaps::height) && !floats)
+      throw Error("format-does-not-fit", "heights are in mm, but this format holds values up to 1",
+                  "use .exr")
+          .parameter("path");
+    out.image = maps.*map.image;
+    if (!out.image)
+      throw Error("missing-input", fmt::format("pack names {}, which is not connected", name),
+                  fmt::format("connect {}, or use black or white", name))
+          .parameter("pack");
+    return out;
+  }
+  throw bad("is no map");
 }
 
 }  // namespace
@@ -130,8 +179,56 @@ void write_map(const std::filesystem::path& path, const MapName& map, const Imag
   write_samples(path, encoding, rounded<std::uint8_t>(image, encoding.channels, 255).data());
 }
 
+void write_packed_maps(const std::filesystem::path& path, const MaterialMaps& maps,
+                       const std::vector<std::string>& channels, const std::string& provenance) {
+  require_equal_sizes(maps);
+  const bool floats = path.extension() == ".exr";
+  std::vector<PackedChannel> from;
+  const Image* any = nullptr;
+  for (const std::string& word : channels) {
+    from.push_back(packed_channel(word, maps, floats));
+    if (from.back().image) any = from.back().image;
+  }
+  if (!any)
+    throw Error("missing-input", "pack names no map", "name at least one of the connected maps")
+        .parameter("pack");
+  PictureEncoding encoding;
+  encoding.width = any->width;
+  encoding.height = any->height;
+  encoding.channels = static_cast<int>(from.size());
+  encoding.alpha = encoding.channels == 4 ? 3 : -1;
+  encoding.attributes = {{"oiio:ColorSpace", "Raw"}};
+  if (encoding.channels == 4) encoding.attributes.emplace_back("oiio:UnassociatedAlpha", 1);
+  if (floats) encoding.attributes.emplace_back("compression", "zip");
+  if (!provenance.empty()) encoding.attributes.emplace_back("ImageDescription", provenance);
+  std::vector<float> values;
+  values.reserve(any->pixels.size() * from.size());
+  for (std::size_t i = 0; i < any->pixels.size(); ++i)
+    for (const PackedChannel& channel : from) values.push_back(channel.at(i));
+  if (floats) {
+    encoding.sample = Sample::Float;
+    return write_samples(path, encoding, values.data());
+  }
+  const bool deep = path.extension() == ".tif";
+  encoding.sample = deep ? Sample::UInt16 : Sample::UInt8;
+  std::vector<std::uint8_t> bytes;
+  std::vector<std::uint16_t> words;
+  for (const float v : values) {
+    const float unit = std::clamp(v, 0.0f, 1.0f);
+    if (deep)
+      words.push_back(static_cast<std::uint16_t>(std::lround(unit * 65535)));
+    else
+      bytes.push_back(static_cast<std::uint8_t>(std::lround(unit * 255)));
+  }
+  if (deep) return write_samples(path, encoding, words.data());
+  write_samples(path, encoding, bytes.data());
+}
+
 void write_glb(const std::filesystem::path& path, const MaterialMaps& maps, const std::string& provenance,
                const Shape* mesh) {
+  if (!maps.base_color)
+    throw Error("missing-input", "a material needs the map base_color, which is not connected",
+                "connect base_color of TextureSet or Bake");
   require_equal_sizes(maps);
   if (mesh && mesh->uv.empty())
     throw Error("no-uv", "the shape '" + mesh->name + "' has no texture coordinates, so no map fits it",

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "nodes/data/image.h"
 #include "nodes/data/shapes.h"
@@ -39,6 +40,14 @@ inline constexpr std::array<MapName, 6> kMaps = {{
 // "format-does-not-fit" for heights in a format without floats, "bad-pixels", and the errors of
 // write_samples.
 void write_map(const std::filesystem::path&, const MapName&, const Image&, const std::string& provenance);
+
+// Maps as the channels of one picture: .png with 8 bits, .tif with 16, .exr with floats, all raw. A channel
+// is "roughness" (the first channel of that map), "normal.g" or "normal.b", "1-roughness" for one minus it,
+// "black" or "white". Throws Error "bad-value" for other words and for base_color, which is not raw,
+// "missing-input", "size-mismatch", "bad-pixels", "format-does-not-fit" for heights in a format without
+// floats, and the errors of write_samples.
+void write_packed_maps(const std::filesystem::path&, const MaterialMaps&,
+                       const std::vector<std::string>& channels, const std::string& provenance);
 
 // The mesh, or without one a plane of the maps' size in mm, z up, with all maps as one material. Throws Error
 // "missing-input" without base_color, "size-mismatch", "no-uv", and the errors of GltfPacker::write.

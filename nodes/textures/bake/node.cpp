@@ -12,6 +12,7 @@
 #include "nodes/data/volume.h"
 #include "nodes/textures/bake/bake_maps.h"
 #include "nodes/textures/bake/box_atlas.h"
+#include "nodes/textures/bake/mesh_shadow.h"
 #include "runtime/context.h"
 
 namespace terrazzo::bake {
@@ -220,13 +221,18 @@ textures::HeightField heights_of(const UvTexels& texels, std::vector<float> cove
   return out;
 }
 
-// The maps of the relief: normal, height and occlusion.
-void put_relief(Context& c, const UvTexels& texels, const TexelPlaces& places, std::vector<float> cover,
-                double relief, double texel) {
+// The maps of the relief: normal, height and occlusion, and of the mesh in the last.
+void put_relief(Context& c, const Shape& mesh, const UvTexels& texels, const TexelPlaces& places,
+                std::vector<float> cover, double relief, double texel) {
   const textures::HeightField h =
       heights_of(texels, std::move(cover), relief, texel, c.work().part(0.8, 0.85));
   c.output("normal", normals_on_mesh(texels, places, h, c.work().part(0.85, 0.9)));
-  Image occlusion = textures::occlusion_map(h, c.work().part(0.9, 1));
+  Image occlusion = textures::occlusion_map(h, c.work().part(0.9, 0.92));
+  if (c.boolean("shadow")) {
+    const UvTexels inside = find_texels(mesh.mesh, mesh.uv, texels.size, 0, c.work().quiet());
+    const auto open = open_sky(mesh.mesh, inside, places, c.number("scale"), c.work().part(0.92, 1));
+    for (std::size_t i = 0; i < open.size(); ++i) occlusion.pixels[i] *= open[i];
+  }
   Image height(texels.size, texels.size, 1, texel);
   const float blank = relief > 0 ? static_cast<float>(-relief) : 0.0f;  // binder, as in the base color
   for (std::size_t i = 0; i < height.pixels.size(); ++i) {
@@ -256,7 +262,7 @@ void compute(Context& c) {
                                                  c.work().part(0.1, 0.8))
                                    : maps_of_particles(c, texels, places, texel);
   for (Vec3f& color : maps.base_color.pixels) color = color.cwiseMax(0.0f).cwiseMin(1.0f);
-  put_relief(c, texels, places, std::move(maps.cover), relief, texel);
+  put_relief(c, mesh, texels, places, std::move(maps.cover), relief, texel);
   for (Image* image : {&maps.base_color, &maps.roughness, &maps.id}) image->pixel_size = texel;
   c.output("base_color", std::move(maps.base_color));
   c.output("roughness", std::move(maps.roughness));
@@ -283,8 +289,7 @@ void declare_ports(NodeType& type) {
               "Height above the mesh in mm of the solid, in all channels; 0 without relief")
       .output("roughness", "Image", "Roughness, 0 to 1, in all channels")
       .output("occlusion", "Image",
-              "Share of the sky that the relief leaves open, in all channels. Does not know the mesh's own "
-              "shadow")
+              "Share of the sky that the relief and the mesh leave open, in all channels")
       .output("id", "Image",
               "A different color for each particle, black for the binder, without antialiasing")
       .output("mesh", "Shapes", "The mesh with the texture coordinates of the maps");
@@ -297,7 +302,7 @@ namespace terrazzo {
 
 NodeType bake_node() {
   using namespace bake;
-  NodeType type("Bake", 3);
+  NodeType type("Bake", 4);
   type.doc_(
       "Makes the texture maps of a mesh that is carved from the solid: base color, normal, height, "
       "roughness, "
@@ -328,6 +333,10 @@ NodeType bake_node() {
               .range(-1e6, 1e6)
               .doc_("How far the binder lies below the particles, in mm of the solid; if negative, above "
                     "them. 0: polished. Edges are rounded with half the relief as radius of curvature."))
+      .parameter(
+          Parameter::boolean("shadow", true)
+              .doc_("Whether occlusion contains what the mesh hides of the sky, such as in its folds and "
+                    "cavities"))
       .parameter(Parameter::with_keyword(ParameterKind::Numbers, "roughness", "auto")
                      .count(1, 64)
                      .range(0, 1)

@@ -35,7 +35,7 @@ std::multimap<std::string, Value> some_maps() {
 
 // The stored numbers of a file, and its number of channels.
 std::vector<float> stored(const fs::path& file, int channels, Sample sample) {
-  const auto in = picture_codec().open(file, "", {});
+  const auto in = picture_codec().open(file, "", {{"oiio:UnassociatedAlpha", 1}});
   EXPECT_EQ(in->header().count(), channels) << file;
   EXPECT_EQ(in->header().sample, sample) << file;
   std::vector<float> values(std::size_t{kSide * kSide} * channels);
@@ -124,6 +124,52 @@ TEST(ExportMaps, APlaneShowsThemInGltf) {
   ASSERT_TRUE(report.is_object());
   EXPECT_EQ(report["errors"], 0) << report["messages"].dump(1);
   EXPECT_EQ(report["warnings"], 0) << report["messages"].dump(1);
+}
+
+TEST(ExportMaps, ChannelsArePacked) {
+  const fs::path out = test::temporary_folder();
+  const auto maps = some_maps();
+  const auto value = [&](const char* name, std::size_t i, int channel) {
+    return std::clamp(maps.find(name)->second.as<Image>().pixels[i][channel], 0.0f, 1.0f);
+  };
+  test::run_node("Export", maps, {{"path", "orm.png"}, {"pack", "[occlusion, roughness, black]"}}, out);
+  const auto orm = stored(out / "orm.png", 3, Sample::UInt8);
+  test::run_node("Export", maps,
+                 {{"path", "mask.tif"}, {"pack", "[normal.g, occlusion, white, 1-roughness]"}}, out);
+  const auto mask = stored(out / "mask.tif", 4, Sample::UInt16);
+  test::run_node("Export", maps, {{"path", "h.exr"}, {"pack", "[height, id.b]"}}, out);
+  const auto height = stored(out / "h.exr", 2, Sample::Float);
+  for (std::size_t i = 0; i < kSide * kSide; ++i) {
+    ASSERT_NEAR(orm[3 * i], value("occlusion", i, 0), 0.51f / 255);
+    ASSERT_NEAR(orm[3 * i + 1], value("roughness", i, 0), 0.51f / 255);
+    ASSERT_EQ(orm[3 * i + 2], 0);
+    ASSERT_NEAR(mask[4 * i + 3], 1 - value("roughness", i, 0), 0.51f / 65535);
+    ASSERT_EQ(height[2 * i], maps.find("height")->second.as<Image>().pixels[i].x());
+    ASSERT_EQ(height[2 * i + 1], value("id", i, 2));
+  }
+  const std::size_t middle = kSide * kSide / 2;
+  EXPECT_NEAR(mask[4 * middle], value("normal", middle, 1), 0.51f / 65535);
+  EXPECT_EQ(mask[4 * middle + 2], 1);
+}
+
+TEST(ExportMaps, RefusesWhatCannotBePacked) {
+  const fs::path out = test::temporary_folder();
+  auto maps = some_maps();
+  const auto code = [&](const char* path, const char* pack) {
+    return test::code_of([&] { test::run_node("Export", maps, {{"path", path}, {"pack", pack}}, out); });
+  };
+  EXPECT_EQ(code("a.png", "[base_color]"), "bad-value");
+  EXPECT_EQ(code("a.png", "[rough]"), "bad-value");
+  EXPECT_EQ(code("a.png", "[roughness.a]"), "bad-value");
+  EXPECT_EQ(code("a.png", "[height]"), "format-does-not-fit");
+  EXPECT_EQ(code("a.jpg", "[roughness]"), "format-does-not-fit");
+  EXPECT_EQ(code("a.png", "[black, white]"), "missing-input");
+  maps.erase("occlusion");
+  EXPECT_EQ(code("a.png", "[occlusion]"), "missing-input");
+  maps.erase("roughness");
+  maps.emplace("roughness", Value::of(Image(2, 2, 1, 1)));
+  EXPECT_EQ(code("a.png", "[roughness]"), "size-mismatch");
+  EXPECT_TRUE(fs::is_empty(out));
 }
 
 TEST(ExportMaps, RefusesWhatDoesNotFit) {

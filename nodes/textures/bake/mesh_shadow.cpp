@@ -1,0 +1,127 @@
+#include "nodes/textures/bake/mesh_shadow.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "nodes/bodies/carving/ray_scene.h"
+#include "nodes/data/indices.h"
+
+namespace terrazzo::bake {
+namespace {
+
+constexpr int kRays = 256;
+constexpr int kGrid = 512;  // points along an edge of the texture, at most
+
+// Directions whose density is that of the cosine to z: a Fibonacci spiral on the disk, raised to the
+// hemisphere (Malley's method).
+std::vector<Vec3f> sky_directions() {
+  std::vector<Vec3f> out;
+  constexpr double kGolden = std::numbers::pi * (3 - 2.23606797749979);
+  for (int i = 0; i < kRays; ++i) {
+    const double r2 = (i + 0.5) / kRays, a = kGolden * i;
+    out.push_back(
+        Vec3(std::sqrt(r2) * std::cos(a), std::sqrt(r2) * std::sin(a), std::sqrt(1 - r2)).cast<float>());
+  }
+  return out;
+}
+
+// The mesh moved and scaled to a box of edge 1 around the origin, for which rays are made.
+class Shadow {
+ public:
+  Shadow(const Mesh& mesh, double scale)
+      : scale_(scale), scene_(scene_of(mesh)), directions_(sky_directions()) {}
+
+  // At a point of the solid in mm, on a surface with this normal.
+  float open(const Vec3& mm, const Vec3& normal) const {
+    constexpr double kLift = 1e-5;  // beyond the rounding of floats in a box of edge 1
+    const Vec3f from = ((mm / scale_ - center_) / size_ + kLift * normal).cast<float>();
+    const Vec3f n = normal.cast<float>();
+    const Vec3f right = n.unitOrthogonal(), up = n.cross(right);
+    int open = 0;
+    for (const Vec3f& d : directions_) open += !scene_.any(from, d.x() * right + d.y() * up + d.z() * n);
+    return static_cast<float>(open) / kRays;
+  }
+
+ private:
+  carving::RayScene scene_of(const Mesh& mesh) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& v : mesh.vertices) box.extend(v);
+    center_ = box.center();
+    size_ = std::max(box.sizes().maxCoeff(), 1e-300);
+    carving::RayScene::Triangles triangles;
+    for (const Vec3& v : mesh.vertices) triangles.positions.push_back(((v - center_) / size_).cast<float>());
+    for (const Triangle& t : mesh.triangles)
+      for (const std::int32_t v : t) triangles.indices.push_back(static_cast<std::uint32_t>(v));
+    return carving::RayScene({triangles}, {carving::RayScene::Instance{}});
+  }
+
+  double scale_, size_ = 1;
+  Vec3 center_ = Vec3::Zero();
+  carving::RayScene scene_;
+  std::vector<Vec3f> directions_;
+};
+
+// Of the points from which rays start.
+struct SkyPoint {
+  float open = 1;
+  Vec3f mm = Vec3f::Zero();
+  std::int32_t triangle = -1;
+};
+
+}  // namespace
+
+std::vector<float> open_sky(const Mesh& mesh, const UvTexels& texels, const TexelPlaces& places, double scale,
+                            const Work& work) {
+  const Shadow shadow(mesh, scale);
+  const int n = texels.size, step = (n + kGrid - 1) / kGrid, points = (n + step - 1) / step;
+  // The point of cell (i, j) is its middle texel.
+  const auto texel_of = [&](int i) { return std::min(n - 1, i * step + step / 2); };
+  const auto ray = [&](int x, int y) {
+    const std::int32_t t = texels.triangle[pixel_at(x, y, n)];
+    return shadow.open(places.at(t, x, y, 0.5, 0.5), places.axes(t).normal);
+  };
+  std::vector<SkyPoint> sky(pixels_in(points, points));
+  work.part(0, 0.8).parallel(points, 1, [&](std::size_t begin, std::size_t end) {
+    for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
+      for (int i = 0; i < points; ++i) {
+        const int x = texel_of(i), y = texel_of(j);
+        SkyPoint& point = sky[pixel_at(i, j, points)];
+        point.triangle = texels.triangle[pixel_at(x, y, n)];
+        if (point.triangle < 0) continue;
+        point.mm = places.at(point.triangle, x, y, 0.5, 0.5).cast<float>();
+        point.open = ray(x, y);
+      }
+  });
+  std::vector<float> out(texels.triangle.size(), 1.0f);
+  work.part(0.8, 1).parallel(n, 1, [&](std::size_t begin, std::size_t end) {
+    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
+      for (int x = 0; x < n; ++x) {
+        const std::int32_t t = texels.triangle[pixel_at(x, y, n)];
+        if (t < 0) continue;
+        const TexelPlaces::Axes axes = places.axes(t);
+        const Vec3f mm = places.at(t, x, y, 0.5, 0.5).cast<float>();
+        // Farther away, or turned by more than 30°, is another part of the mesh.
+        const float reach = 2 * static_cast<float>(step * std::max(axes.right.norm(), axes.down.norm()));
+        const double u = double(x - step / 2) / step, v = double(y - step / 2) / step;
+        const int i = round_down(u), j = round_down(v);
+        double sum = 0, weights = 0;
+        for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+          if (i + di < 0 || j + dj < 0 || i + di >= points || j + dj >= points) continue;
+          const SkyPoint& point = sky[pixel_at(i + di, j + dj, points)];
+          if (point.triangle < 0 || (point.mm - mm).norm() > reach ||
+              places.axes(point.triangle).normal.dot(axes.normal) < 0.866)
+            continue;
+          const double weight = (di ? u - i : i + 1 - u) * (dj ? v - j : j + 1 - v);
+          sum += weight * double{point.open};
+          weights += weight;
+        }
+        out[pixel_at(x, y, n)] = weights > 1e-3 ? static_cast<float>(sum / weights) : ray(x, y);
+      }
+  });
+  extend_to_blanks(texels, out);
+  return out;
+}
+
+}  // namespace terrazzo::bake
