@@ -71,8 +71,7 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
     : meshes_(meshes),
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
-      top_(static_cast<float>(meshes.largest(particles))),
-      fills_(!rest.covered) {
+      top_(static_cast<float>(meshes.largest(particles))) {
   require_few(particles, picture, margin);
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
@@ -86,10 +85,6 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   const Vec3& box = particles.box;
   const Vec3 at = particles.position[particle] - origin_;
   const Mat3 turn = particles.orientation[particle].normalized().toRotationMatrix();
-  const double below = at.z() - std::ceil(at.z() / box.z()) * box.z();
-  std::vector<double> heights{below};
-  const double radius = meshes_.radius[particles.shape[particle]] * particles.scale[particle];
-  if (fills_ && below + box.z() <= radius) heights.push_back(below + box.z());
   const int x0 = round_up((-margin - at.x()) / box.x());
   const int y0 = round_up((-margin - at.y()) / box.y());
   const int x1 = round_down((picture.x() + margin - at.x()) / box.x());
@@ -97,15 +92,32 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   carving::RayScene::Instance instance;
   instance.mesh = particles.shape[particle];
   instance.linear = (turn * particles.scale[particle]).cast<float>();
-  for (const double z : heights)
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
+  const double below = at.z() - std::ceil(at.z() / box.z()) * box.z();  // its center is
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x)
+      for (const double z : {below + box.z(), below}) {
         const Vec3 center(at.x() + x * box.x(), at.y() + y * box.y(), z);
         instance.offset = center.cast<float>();
         instances.push_back(instance);
         stones_.push_back({particle, instance.mesh, turn.cast<float>(),
                            (particles.position[particle] - center).cast<float>()});
       }
+}
+
+// Keeps the higher of the two copies of each stone that is not more exposed.
+void Bed::take_away(std::vector<carving::RayScene::Instance>& instances, float exposure) {
+  const auto stays = [&](std::size_t i) {
+    return exposure_of(meshes_.triangles[stones_[i].mesh], instances[i]) <= exposure;
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < stones_.size(); i += 2) {
+    if (!stays(i) && !stays(i + 1)) continue;
+    const std::size_t higher = stays(i) ? i : i + 1;
+    stones_[kept] = stones_[higher];
+    instances[kept++] = instances[higher];
+  }
+  stones_.resize(kept);
+  instances.resize(kept);
 }
 
 void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const Vec2& picture,
@@ -116,16 +128,17 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
   options.cell = rest.cell;
   options.deepest = static_cast<float>(-depth_);
   options.level = -kLooseDepth * top_;
+  float exposure = 1;  // touching the cut from above
   if (rest.covered) {
-    options.soil = level_of_share(meshes_.triangles, instances, options, *rest.covered, work.part(0, 0.3));
-    options.level = *options.soil;
+    options.soil = options.level = 0;
+    exposure = exposure_of_share(meshes_.triangles, instances, options, *rest.covered, work.part(0, 0.3));
   }
+  take_away(instances, exposure);
   const std::vector<carving::RayScene::Instance> before = instances;
-  if (fills_) options.top = 0;
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
   std::size_t kept = 0;
   for (std::size_t i = 0; i < stones_.size(); ++i) {
-    if (instances[i].offset.z() > 0 || (options.soil && hangs_above(instances[i], *options.soil))) continue;
+    if (options.soil && hangs_above(instances[i], *options.soil)) continue;
     stones_[kept] = stones_[i];
     stones_[kept].to_packing += before[i].offset - instances[i].offset;
     instances[kept++] = instances[i];

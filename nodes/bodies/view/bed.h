@@ -17,15 +17,15 @@ namespace terrazzo::view {
 
 // Where the packing is cut, and what the picture shows of it.
 struct BedPlace {
-  double height = 0;           // mm; stones whose centers are above it are taken away
+  double height = 0;           // mm; stones that are wholly above it are taken away
   Vec2 corner = Vec2::Zero();  // mm, the picture's lower left corner; x to the right, y upwards
 };
 
 // What the stones near the cut settle on, and how exactly.
 struct BedRest {
   double cell = 0;  // mm, of the map of heights; coarser in large pictures
-  // The share of the picture that stones cover before they settle; soil is below them. Nothing: no soil
-  // within one period, so stones lie on each other.
+  // The share of the picture that stones cover before they settle; soil fills the bed up to the cut. Nothing:
+  // no soil within one period, so stones lie on each other.
   std::optional<double> covered;
 };
 
@@ -53,10 +53,10 @@ struct BedPoint {
 };
 
 // Positions are in mm from the picture's lower left corner; z is the height above the cut. Every particle
-// that is no void lies in the bed with the one copy along z whose center is at most one period below the cut,
-// and with all copies along x and y whose centers are in the picture or in a margin around it. Then the
-// stones near the cut settle, each copy by itself. Loose stones whose centers are
-// above the cut by up to their radius fall into the holes that it left, or are taken away.
+// that is no void lies in the bed with one copy along z, the highest one that reaches the cut or less, and
+// with all copies along x and y whose centers are in the picture or in a margin around it. In soil, it is the
+// highest one up to an exposure at which stones cover their share. Then the stones near the cut settle, each
+// copy by itself.
 class Bed {
  public:
   // `picture`: width and height, mm; `margin`: mm. The meshes must outlive the bed. Throws Error
@@ -86,6 +86,7 @@ class Bed {
   };
   void add_copies(const Particles&, int particle, const Vec2& picture, double margin,
                   std::vector<carving::RayScene::Instance>&);
+  void take_away(std::vector<carving::RayScene::Instance>&, float exposure);
   bool hangs_above(const carving::RayScene::Instance&, float soil) const;
   void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
                   const Work&);
@@ -94,7 +95,6 @@ class Bed {
   Vec3 origin_;  // of positions, in the packing
   double depth_;
   float top_ = 0;  // above all stones: the largest one's diameter
-  bool fills_;     // whether stones from above the cut fall into holes
   std::vector<Stone> stones_;
   std::unique_ptr<carving::RayScene> scene_;
 };

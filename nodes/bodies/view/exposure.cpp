@@ -176,6 +176,56 @@ float brightness_for(const UnlitPixels& p, const std::vector<float>& light, cons
   return sum > 0 ? static_cast<float>(wanted * samples.pixels.size() / sum) : 1;
 }
 
+// Sums over the visible part of a stone.
+struct StoneSums {
+  double pixels = 0, color = 0, light = 0;  // of pixels, and of logarithms
+
+  void add(const StoneSums& other) {
+    pixels += other.pixels;
+    color += other.color;
+    light += other.light;
+  }
+  void divide() {
+    color /= std::max(1.0, pixels);
+    light /= std::max(1.0, pixels);
+  }
+};
+
+// The share of a stone's difference in color that, with its light, differs as much as colors alone.
+double share_of_colors(const std::vector<StoneSums>& stones, const StoneSums& mean) {
+  double colors = 0, both = 0, light = 0;
+  for (const StoneSums& s : stones) {
+    const double color = s.color - mean.color;
+    const double own_light = s.light - mean.light;
+    colors += s.pixels * color * color;
+    both += s.pixels * color * own_light;
+    light += s.pixels * own_light * own_light;
+  }
+  if (!(colors > 0)) return 1;
+  const double root = std::sqrt(std::max(0.0, both * both + colors * (colors - light)));
+  return std::clamp((root - both) / colors, 0.0, 1.0);
+}
+
+// The light that a photograph shows on its stones is part of the colors that were measured there, and falls
+// on them again in the bed. So colors keep only the part with which stones differ as in the photograph.
+void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light) {
+  std::vector<StoneSums> stones(1 + *std::max_element(p.stone.begin(), p.stone.end()));
+  for (std::size_t i = 0; i < light.size(); ++i) {
+    if (p.stone[i] < 0 || p.height[i] <= p.ground) continue;
+    stones[p.stone[i]].add({1, std::log(kDarkest + luminance_of(p.color[i])), std::log(kDarkest + light[i])});
+  }
+  StoneSums mean;
+  for (StoneSums& s : stones) {
+    mean.add(s);
+    s.divide();
+  }
+  mean.divide();
+  const double less = share_of_colors(stones, mean) - 1;
+  for (std::size_t i = 0; i < light.size(); ++i)
+    if (p.stone[i] >= 0 && stones[p.stone[i]].pixels > 0)
+      light[i] *= static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean.color)));
+}
+
 }  // namespace
 
 std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
@@ -200,6 +250,7 @@ std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options,
     light_up();
   }
   for (float& v : light) v = shadowed(v, power);
+  if (options.brightness) take_out_photographed_light(p, light);
   const float brightness = options.brightness ? brightness_for(p, light, samples, *options.brightness) : 1;
   for (std::size_t i = 0; i < light.size(); ++i)  // soil has the color that was measured
     if (p.stone[i] >= 0) light[i] *= brightness;

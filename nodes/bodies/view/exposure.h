@@ -24,8 +24,8 @@ struct UnlitPixels {
 
 // What each pixel's color is multiplied with. The sun gets the share of the light with which lightness grows
 // across stones as in the photograph (SurfaceOptions::slope), or that of options.light without it. Stones are
-// as bright on average as in the photograph, soil has its color, and shadows between loose stones are
-// deepened or lightened until they are as dark.
+// as bright on average as in the photograph, and differ as much, soil has its color, and shadows between
+// loose stones are deepened or lightened until they are as dark.
 std::vector<float> exposure(const UnlitPixels&, const SurfaceOptions&, const Work&);
 
 }  // namespace terrazzo::view

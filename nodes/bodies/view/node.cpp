@@ -201,7 +201,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 6);
+  NodeType type("View", 7);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "nodes/bodies/view/exposure.h"
 #include "nodes/bodies/view/softness.h"
@@ -92,13 +93,14 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
                                              albedo_, colors_.at(Vec3f::Zero(), -1, false)},
                                             options_, work);
   for (std::size_t i = 0; i < color_.size(); ++i) color_[i] *= light[i];
-  match_tones(color_, options_.tones);
-  for (Vec3f& color : color_) color = color.cwiseMax(0.0F).cwiseMin(1.0F);
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);
   });
   soften_outlines(pixels, stone_, options_.pixels_x, options_.pixels_y,
                   options_.softness / options_.pixel_size);
+  const std::span<Vec3f> picture(pixels, color_.size());
+  match_tones(picture, options_.tones);  // last, as a camera's exposure
+  for (Vec3f& color : picture) color = color.cwiseMax(0.0F).cwiseMin(1.0F);
 }
 
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around

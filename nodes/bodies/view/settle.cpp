@@ -187,7 +187,7 @@ void Settling::move(const Footprint& f, carving::RayScene::Instance& stone, cons
   Footprint moved = f;
   moved.cells.x += place.dx;
   moved.cells.y += place.dy;
-  if (!options_.top || place.z <= *options_.top) lay(ground_, grid_, moved, place.z);
+  lay(ground_, grid_, moved, place.z);
   const Vec2 shift = grid_.cell * Vec2(place.dx, place.dy);
   stone.offset.head<2>() += shift.cast<float>();
   stone.offset.z() = place.z;
@@ -272,23 +272,41 @@ Place Settling::place_of_rest(const Footprint& f, float z, const Work& work) con
 
 }  // namespace
 
-float level_of_share(const Meshes& meshes, const Stones& stones, const SettleOptions& options, double share,
-                     const Work& work) {
+float exposure_of(const carving::RayScene::Triangles& mesh, const carving::RayScene::Instance& stone) {
+  const Vec3f up = stone.linear.row(2);
+  float lowest = -std::numeric_limits<float>::min();
+  for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, up.dot(p));
+  return stone.offset.z() / -lowest;
+}
+
+float exposure_of_share(const Meshes& meshes, const Stones& stones, const SettleOptions& options,
+                        double share, const Work& work) {
   const std::vector<double> radii = radii_of(meshes, stones);
   const CellGrid grid = grid_for(stones, radii, options);
-  CellMap map = CellMap::Constant(grid.width, grid.height, options.deepest);
-  const std::vector<std::size_t> order = upwards_in(stones, radii, grid);
-  for (std::size_t k = order.size(); k-- > 0;) {  // downwards, since higher stones hide lower ones
+  std::vector<std::pair<float, std::size_t>> order;
+  for (std::size_t i = 0; i < stones.size(); ++i)
+    if (stones[i].offset.z() + radii[i] > 0 && !around(stones[i], radii[i], grid).empty())
+      order.emplace_back(exposure_of(meshes[stones[i].mesh], stones[i]), i);
+  std::sort(order.begin(), order.end());
+  constexpr float kNever = std::numeric_limits<float>::infinity();
+  CellMap map = CellMap::Constant(grid.width, grid.height, kNever);  // exposure that covers the cell
+  for (const auto& [exposure, i] : order) {
     work.check();
-    lay_visible(map, grid, meshes, stones[order[k]], radii[order[k]]);
+    const Cells near = around(stones[i], radii[i], grid);
+    if (map.block(near.x, near.y, near.width, near.height).maxCoeff() <= exposure) continue;
+    const Footprint f = footprint_of(meshes[stones[i].mesh], stones[i], grid);
+    const Cells c = f.cells.within(grid);
+    const auto high = f.high.block(c.x - f.cells.x, c.y - f.cells.y, c.width, c.height);
+    auto cells = map.block(c.x, c.y, c.width, c.height);
+    cells = (high + stones[i].offset.z() > 0).select(cells.min(exposure), cells);
   }
   CellMap seen =
       map.block(grid.margin, grid.margin, grid.width - 2 * grid.margin, grid.height - 2 * grid.margin);
   const auto covered = std::llround(share * seen.size());
-  if (covered >= seen.size()) return options.deepest;
-  float* const end = seen.data() + seen.size();
-  std::nth_element(seen.data(), seen.data() + covered, end, std::greater<>());
-  return seen.data()[covered];
+  const float highest = order.empty() ? 0 : order.back().first;
+  if (covered >= seen.size()) return highest;
+  std::nth_element(seen.data(), seen.data() + covered, seen.data() + seen.size());
+  return std::min(highest, seen.data()[covered]);
 }
 
 void settle(const Meshes& meshes, Stones& stones, const SettleOptions& options, const Work& work) {

@@ -24,16 +24,18 @@ struct SettleOptions {
   float level = 0;              // mm; stones whose centers are below it stay
   float deepest = 0;            // mm; no stone falls lower
   std::optional<float> soil;    // mm, height of level soil; nothing: there is none
-  // mm; a stone whose center comes to rest above it carries no other: the caller takes it away. Nothing:
-  // none.
-  std::optional<float> top;
 };
 
-// The height that stones exceed in a share of the picture, 0 to 1, in mm; at least `deepest`. Of the options,
-// level and soil don't count.
-float level_of_share(const std::vector<carving::RayScene::Triangles>&,
-                     const std::vector<carving::RayScene::Instance>&, const SettleOptions&, double share,
-                     const Work& = {});
+// How far a stone's center lies above the ground at z = 0, in units of the distance from its center down to
+// its lowest point: −1 or less is buried, at 1 it lies on the ground.
+float exposure_of(const carving::RayScene::Triangles&, const carving::RayScene::Instance&);
+
+// The exposure up to which stones must stay so that those above the ground cover a share of the picture, 0 to
+// 1; the highest of any stone if all together cover less. Of the options, only picture, largest and cell
+// count.
+float exposure_of_share(const std::vector<carving::RayScene::Triangles>&,
+                        const std::vector<carving::RayScene::Instance>&, const SettleOptions&, double share,
+                        const Work& = {});
 
 // Changes the offsets of the instances, which are rotations times a scale. From the lowest center to the
 // highest, each stone falls straight down onto what has settled before, or into soil by kBuried, and rolls

@@ -8,8 +8,11 @@ namespace terrazzo::view {
 namespace {
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
-constexpr int kRing = 4;                                   // places on each of two rings of the sun's disc
-constexpr float kRings[] = {2.5F * kDegree, 7 * kDegree};  // from its middle
+// Of the bright part of the sky: photographs of stones are taken in the shade or under clouds, or their rough
+// surfaces blur the border of light.
+constexpr float kSunRadius = 35 * kDegree;
+constexpr int kRing = 4;                // places on each of two rings of the sun's disc
+constexpr float kRings[] = {0.35F, 1};  // from its middle, in its radius
 constexpr int kSuns = 2 * kRing;
 constexpr int kSkyRays = 16;
 
@@ -46,17 +49,22 @@ Shader::Shader(const Bed& bed, const Light& light, double reach, double lift)
   middle_ = Vec3(std::cos(elevation) * std::cos(azimuth), std::cos(elevation) * std::sin(azimuth),
                  std::sin(elevation))
                 .cast<float>();
-  level_ = middle_.z();
+  for (int k = 0; k < kSuns; ++k) level_ += std::max(0.0F, toward_sun(k, 0).z()) / kSuns;
+}
+
+// To one of the places on the sun, whose rings are turned by a share of the angle between two places.
+Vec3f Shader::toward_sun(int place, float shift) const {
+  const Across across(middle_);
+  const float turn = (shift + place + 0.5F * (place / kRing)) * 2 * std::numbers::pi_v<float> / kRing;
+  const Vec3f side = std::cos(turn) * across.first + std::sin(turn) * across.second;
+  return (middle_ + std::tan(kRings[place / kRing] * kSunRadius) * side).normalized();
 }
 
 float Shader::sun(const BedPoint& point, std::uint64_t random) const {
-  const Across across(middle_);
-  const float start_turn = upper_half(random);
+  const float shift = upper_half(random);
   float sum = 0;
   for (int k = 0; k < kSuns; ++k) {
-    const float turn = (start_turn + k + 0.5F * (k / kRing)) * 2 * std::numbers::pi_v<float> / kRing;
-    const Vec3f side = std::cos(turn) * across.first + std::sin(turn) * across.second;
-    const Vec3f direction = (middle_ + std::tan(kRings[k / kRing]) * side).normalized();
+    const Vec3f direction = toward_sun(k, shift);
     const float cosine = point.normal.dot(direction);
     if (cosine <= 0 || direction.z() <= 0) continue;  // away from the sun, or the sun below the ground
     // A smooth mesh is lit a little beyond the facets that face the sun.

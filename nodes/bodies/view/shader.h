@@ -15,20 +15,21 @@ class Shader {
   // must outlive the shader.
   Shader(const Bed&, const Light&, double reach, double lift);
 
-  // Of the sun: Lambert's law and the shadows of stones, soft because the sun is eight places on a disc of 16
-  // degrees, as in haze, turned by the random number.
+  // Of the sun: Lambert's law and the shadows of stones, soft because the sun is eight places on a disc,
+  // turned by the random number.
   float sun(const BedPoint&, std::uint64_t random) const;
   // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
   // stratified directions, shifted by the random number, or 64 where few are open. Never 0.
   float sky(const BedPoint&, std::uint64_t random) const;
 
  private:
+  Vec3f toward_sun(int place, float shift) const;
   int open_rays(const BedPoint&, float shift, float turn) const;  // of 16
   Vec3f start(const BedPoint& point) const { return point.at + lift_ * point.face; }
 
   const Bed& bed_;
   float reach_, lift_;
-  float level_ = 1;  // what each place on the sun gives level ground
+  float level_ = 0;  // what the places on the sun give level ground, on average
   Vec3f middle_;     // of the sun
 };
 

@@ -16,7 +16,7 @@ constexpr float kMostChange = 1.1F;  // of the logarithm: three times as light o
 
 }  // namespace
 
-void match_tones(std::vector<Vec3f>& colors, const std::vector<float>& tones) {
+void match_tones(std::span<Vec3f> colors, const std::vector<float>& tones) {
   if (tones.empty() || colors.empty()) return;
   std::vector<float> sorted;
   for (const Vec3f& c : colors) sorted.push_back(luminance_of(c));

@@ -15,6 +15,7 @@ constexpr int kGroundSide = 512;    // pixels
 constexpr double kLeastSoil = 0.1;  // of the window
 constexpr double kFromOutline = 2;  // pixels from outlines that the camera mixes with stones
 constexpr int kTones = 101;
+constexpr int kIgnored = 1;  // in Segment's output unobserved
 
 // 1 where a section shows soil, away from outlines.
 cv::Mat soil_of(const Labels& labels, const Labels* mask, int section) {
@@ -92,7 +93,7 @@ std::vector<float> find_tones(const Image& image, const Labels* mask, const Prof
   if (profiles.view != View::Surface) return {};
   std::vector<float> all;
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    if (mask == nullptr || mask->ids[i] == 0) all.push_back(luminance_of(image.pixels[i].cwiseMax(0.0F)));
+    if (mask == nullptr || mask->ids[i] != kIgnored) all.push_back(luminance_of(image.pixels[i].cwiseMax(0.0F)));
   if (all.empty()) return {};
   std::sort(all.begin(), all.end());
   std::vector<float> tones;

@@ -17,8 +17,9 @@ namespace terrazzo::detail_solid {
 Detail::Ground find_ground(const Image&, const Labels&, const Labels* mask, const Profiles&,
                            std::uint64_t seed, const Work& = {});
 
-// Detail::tones of a surface, where the mask is 0; nothing of other views. The photograph must have passed
-// check_photograph.
+// Detail::tones of a surface, where the mask is not 1; nothing of other views. Other pixels of the mask show
+// the material too: often the shadows between stones, where nobody can tell one stone from another. The
+// photograph must have passed check_photograph.
 std::vector<float> find_tones(const Image&, const Labels* mask, const Profiles&);
 
 }  // namespace terrazzo::detail_solid

@@ -122,6 +122,39 @@ TEST(Exposure, StonesAreAsBrightAsInThePhotograph) {
   EXPECT_NEAR(soil / pixels, 1, 1e-3);
 }
 
+// Mean logarithms of the balls' brightness: how much they differ.
+double difference_of(const Balls& b, const std::vector<float>& light) {
+  std::vector<double> sum(25), n(25);
+  for (std::size_t i = 0; i < b.stone.size(); ++i) {
+    if (b.stone[i] < 0) continue;
+    sum[b.stone[i]] += std::log(light[i] * b.color[i].x());
+    ++n[b.stone[i]];
+  }
+  double first = 0, second = 0;
+  for (int k = 0; k < 25; ++k) {
+    first += sum[k] / n[k] / 25;
+    second += sum[k] / n[k] * sum[k] / n[k] / 25;
+  }
+  return std::sqrt(second - first * first);
+}
+
+TEST(Exposure, StonesDifferAsInThePhotographWhoseColorsHoldItsLight) {
+  Balls balls(false);
+  const double photographed = difference_of(balls, std::vector<float>(balls.stone.size(), 1));
+  for (std::size_t i = 0; i < balls.stone.size(); ++i)  // some lie deep
+    if (balls.stone[i] >= 0) {
+      const float open = 1 - 0.15F * static_cast<float>(balls.stone[i] % 5);
+      balls.sky[i] *= open;
+      balls.sun[i] *= open;
+    }
+  SurfaceOptions options;
+  const double twice = difference_of(balls, exposure(balls.pixels(0.1F), options, {}));
+  options.brightness = 0.4F;
+  const double once = difference_of(balls, exposure(balls.pixels(0.1F), options, {}));
+  EXPECT_GT(twice, 1.08 * photographed);
+  EXPECT_NEAR(once, photographed, 0.04 * photographed);
+}
+
 // Darker and lighter shadows than the light alone makes.
 TEST(Exposure, ShadowsBetweenLooseStonesAreAsDarkAsInThePhotograph) {
   const Balls balls(true);

@@ -135,12 +135,17 @@ TEST(Settle, LeavesStonesBelowTheLevelAndFarOutside) {
   EXPECT_TRUE(same_places(settled(before, on_soil(0)), before));
 }
 
-TEST(Settle, FindsTheLevelThatAShareExceeds) {
-  const Stones stones = {ball_at({5, 5, 0}, 2), ball_at({5, 5, -6}, 1)};
-  const double half = std::numbers::pi * (4 - 1) / 100;  // of the picture is above z = 1
-  EXPECT_NEAR(level_of_share(balls().triangles, stones, on_soil(0), half), 1, 2 * kCell);
-  EXPECT_EQ(level_of_share(balls().triangles, stones, on_soil(0), 0.5), -20);
-  EXPECT_EQ(level_of_share(balls().triangles, stones, on_soil(0), 1), -20);
+TEST(Settle, FindsTheExposureThatAShareNeeds) {
+  // Of 100 mm², the first covers 4π mm² of the ground, the second 2.25π, the third nothing, being below.
+  const Stones stones = {ball_at({3, 3, 1}, 2), ball_at({7, 7, 3}, 1.5f), ball_at({5, 5, -6}, 1)};
+  const auto needed = [&](double share) {
+    return exposure_of_share(balls().triangles, stones, on_soil(0), share);
+  };
+  const double first = 4 * std::numbers::pi / 100;
+  EXPECT_NEAR(needed(0.9 * first), 0.5, 0.01);
+  EXPECT_NEAR(needed(1.2 * first), 2, 0.01);
+  EXPECT_NEAR(needed(0.9), 2, 0.01);  // all together cover less
+  EXPECT_NEAR(exposure_of(balls().triangles[0], stones[2]), -6, 0.01);
 }
 
 TEST(Settle, NothingRisesOrOverlapsInAnyBed) {
@@ -192,7 +197,7 @@ TEST(Settle, StonesKeepTheirPlaceInThePacking) {
   const Bed bed(p, balls(), {9, Vec2(1, 2)}, Vec2(10, 10), 4, {kCell, 0.5});
   BedPoint point;
   ASSERT_TRUE(bed.below(4, 3, point));
-  EXPECT_LT(point.at.z(), -5);  // it fell from −1 mm to the soil, one period below the cut
+  EXPECT_NEAR(point.at.z(), 1, 0.05);  // it fell to the soil and is half buried there
   // The upper end of the particle at the place where the packing has it.
   EXPECT_NEAR((bed.in_packing(point) - Vec3f(5, 5, 9)).norm(), 0, 0.01f);
 }

@@ -143,6 +143,34 @@ TEST(View, FillsWithSoilUpToThePhotographsShare) {
   EXPECT_NEAR(sum / soil, p.binder_color.mean(), 0.25 * p.binder_color.mean());
 }
 
+// Of each size, one layer is seen that is as deep as the stones are high.
+TEST(View, ShowsAsManyHeightsOfSmallStonesAsOfLargeOnes) {
+  std::vector<Sphere> spheres;
+  const Particles large = test::apart_particles(5, 150, 16, 1, 1, ball().shapes[0]);
+  const Particles small = test::apart_particles(6, 900, 16, 0.25, 0.25, ball().shapes[0]);
+  for (const Particles* all : {&large, &small})
+    for (std::size_t i = 0; i < all->count(); ++i) spheres.push_back({all->position[i], all->scale[i]});
+  const Particles p = spheres_of(spheres, 16);
+  SurfaceOptions options = whole_box(p, 0, 320);
+  options.places = choose_places(12, p.box, 1);
+  // What stones of both sizes within half their height of the cut cover.
+  double empty = 1;
+  for (const Particles* all : {&large, &small})
+    empty *= std::exp(-4 * std::numbers::pi / 3 * std::pow(all->scale[0], 3) * 1.25 * all->count() / 4096);
+  options.area_fraction = 1 - empty;
+  options.shaded = false;
+  const SurfaceView seen = show_surface(p, ball(), options, nullptr);
+  double layers[2] = {0, 0};
+  for (const auto& row : seen.table.rows) {
+    const std::size_t i = std::lround(std::get<double>(row[1]));
+    const bool is_small = i >= large.count();
+    const double one_layer = 2 * p.scale[i] * (is_small ? small : large).count() / 16 * 12;
+    layers[is_small] += 1 / one_layer;
+  }
+  EXPECT_NEAR(layers[0], 1, 0.25);
+  EXPECT_NEAR(layers[1], 1, 0.25);  // and not several, of all small stones that large ones hide
+}
+
 TEST(View, GivesStonesTheirColorsInTheMiddle) {
   const Particles p = four_spheres();
   const SurfaceView seen = show_surface(p, ball(), whole_box(p, 9), nullptr);
