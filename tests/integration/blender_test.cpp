@@ -6,9 +6,12 @@
 #include <set>
 
 #include "nodes/common/geometry/grid/voxel_grids.h"
+#include "nodes/common/texture/color.h"
+#include "nodes/data/indices.h"
 #include "nodes/data/opaque_volume.h"
 #include "nodes/export/formats/gltf.h"
 #include "nodes/export/formats/vdb_file.h"
+#include "runtime/random.h"
 #include "tests/nodes/bodies/carve/carve_support.h"
 #include "tests/nodes/export/export_support.h"
 #include "tests/support/readers.h"
@@ -156,6 +159,59 @@ TEST(BlenderGltf, ShowsCarvedBodiesAndWritesMeshesThatLoadMeshReads) {
   double longest = 0;
   for (const Vec3& v : copy.mesh.vertices) longest = std::max(longest, v.norm());
   EXPECT_NEAR(longest, 10, 0.05);
+}
+
+// The color that the add-on's material has at a point in periods: linear in encoded bytes within a slice,
+// whose border continues, and linear between slices.
+Vec3f color_in_blender(const std::vector<Vec3f>& encoded, int n, const Vec3& p) {
+  const auto within = [&](double v) { return std::clamp((v - std::floor(v)) * n, 0.5, n - 0.5) - 0.5; };
+  const double x = within(p.x()), y = within(p.y()), z = (p.z() - std::floor(p.z())) * n - 0.5;
+  const int i = round_down(x), j = round_down(y), k = round_down(z);
+  Vec3f out = Vec3f::Zero();
+  for (int dz = 0; dz < 2; ++dz) {
+    Vec3f slice = Vec3f::Zero();
+    for (const auto& [dx, dy] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+      const double weight = (dx ? x - i : i + 1 - x) * (dy ? y - j : j + 1 - y);
+      slice += static_cast<float>(weight) * encoded[voxel_at(std::min(i + dx, n - 1), std::min(j + dy, n - 1),
+                                                             (k + dz + n) % n, Vec3i(n, n, n))];
+    }
+    out += static_cast<float>(dz ? z - k : k + 1 - z) * srgb_to_linear(slice);
+  }
+  return out;
+}
+
+TEST(BlenderAddOn, ShowsTheSolidWhoseSlicesAreInAPicture) {
+  if (!test::has_program("blender")) GTEST_SKIP() << "blender is not installed";
+  constexpr int kVoxels = 10;  // 4 columns, 3 rows
+  const Vec3i size = Vec3i::Constant(kVoxels);
+  std::vector<Vec3f> encoded;  // as stored in 8 bits
+  for (std::size_t i = 0; i < voxels_in(size); ++i) {
+    Random r(1, 2, i);
+    encoded.push_back(Vec3f(float(r.below(256)), float(r.below(256)), float(r.below(256))) / 255);
+  }
+  Volume v;
+  v.resolution = size;
+  add_vector_grid(v, "Cd", size, 0.4, {}, [&](std::size_t i) { return srgb_to_linear(encoded[i]); });
+  const fs::path out = test::temporary_folder();
+  test::run_node("Export", {{"volume", Value::of(v)}}, {{"path", "solid.png"}}, out);
+  const fs::path source = test::source_folder();
+  const auto run = test::run_command({"blender", "--background", "--factory-startup", "--python",
+                                      (source / "tests/integration/readers/read_blender_solid.py").string(),
+                                      "--", (source / "nodes/export/blender/terrazzo_import.py").string(),
+                                      (out / "solid.png").string(), "4", (out / "o.json").string()});
+  std::ifstream in(out / "o.json");
+  const auto j = nlohmann::json::parse(in, nullptr, false);
+  ASSERT_FALSE(j.is_discarded()) << run.out << run.err;
+  EXPECT_EQ(j["result"], std::vector<std::string>{"FINISHED"});
+  const int side = j["side"];
+  for (int y = 0; y < side; ++y)
+    for (int x = 0; x < side; ++x) {
+      const double right = 2 * (x + 0.5) / side, up = 2 * (y + 0.5) / side;
+      const Vec3f want = color_in_blender(encoded, kVoxels, Vec3(right, up, 0.3 + 0.45 * up));
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(j["pixels"][std::size_t(y * side + x) * 4 + c].get<float>(), want[c], 2e-3)
+            << x << " " << y;
+    }
 }
 
 }  // namespace

@@ -1,14 +1,16 @@
-"""Imports particles and volumes of Terrazzo into Blender: File, Import, Terrazzo (.glb, .vdb).
+"""Imports particles, volumes and solid textures of Terrazzo into Blender: File, Import, Terrazzo (.glb, .vdb, .png).
 
 Install: Edit, Preferences, Add-ons, Install, and choose this file. Or run it in the text editor.
 
 A .glb file written with `instancing: extension` becomes one object per particle. Objects of one shape share a mesh. Each has
 the particle's color (shown by the material through Object Info) and the custom property `id`, its index. The .vdb file beside
-it, or any that is chosen alone, becomes a volume. One unit of the scene is one millimeter.
+it, or any that is chosen alone, becomes a volume. A .png file of the slices of a cubic solid becomes a material that shows the
+solid at each point of an object, and repeats. One unit of the scene is one millimeter.
 
 Tested with Blender 3.4. Lines marked "4.x" are for later versions and untested.
 """
 import json
+import math
 import os
 import struct
 
@@ -21,8 +23,8 @@ bl_info = {
     "author": "The authors of Terrazzo",
     "version": (1, 0, 0),
     "blender": (3, 4, 0),
-    "location": "File > Import > Terrazzo (.glb, .vdb)",
-    "description": "Imports particles as instances with colors and ids, and grids as a volume",
+    "location": "File > Import > Terrazzo (.glb, .vdb, .png)",
+    "description": "Imports particles as instances with colors and ids, grids as a volume, and slices as a material",
     "category": "Import-Export",
 }
 
@@ -160,6 +162,68 @@ def import_volume(path, context, hidden):
     return len(volume.grids)
 
 
+def voxels_of(width, height):
+    """Voxels along an edge of a cubic solid whose slices fill a picture of this size."""
+    for count in range(1, 2049):
+        columns = math.ceil(math.sqrt(count))
+        if columns * count == width and -(-count // columns) * count == height:
+            return count
+    raise TerrazzoError(f"{width} × {height} pixels are not the slices of a cube; export a volume of equal edges as .png")
+
+
+class SolidNodes:
+    """Makes nodes of a material. Values are sockets or numbers."""
+
+    def __init__(self, tree):
+        self.tree = tree
+
+    def add(self, kind, inputs=(), **settings):
+        node = self.tree.nodes.new(kind)
+        for name, value in settings.items():
+            setattr(node, name, value)
+        for index, value in enumerate(inputs):
+            if isinstance(value, bpy.types.NodeSocket):
+                self.tree.links.new(value, node.inputs[index])
+            else:
+                node.inputs[index].default_value = value
+        return node
+
+    def math(self, operation, *inputs):
+        return self.add("ShaderNodeMath", inputs, operation=operation).outputs[0]
+
+    def slice(self, image, count, x, y, z):
+        """The color at texel (x, y) of slice z, which is a whole number."""
+        columns = image.size[0] // count
+        inside = [self.math("MINIMUM", self.math("MAXIMUM", v, 0.5), count - 0.5) for v in (x, y)]
+        column, row = self.math("MODULO", z, columns), self.math("FLOOR", self.math("DIVIDE", z, columns))
+        u = self.math("DIVIDE", self.math("MULTIPLY_ADD", column, count, inside[0]), image.size[0])
+        v = self.math("DIVIDE", self.math("MULTIPLY_ADD", row, count, inside[1]), image.size[1])
+        at = self.add("ShaderNodeCombineXYZ", (u, self.math("SUBTRACT", 1.0, v), 0.0)).outputs[0]
+        return self.add("ShaderNodeTexImage", (at,), image=image, extension="EXTEND").outputs["Color"]
+
+
+def import_solid(path, edge):
+    """Adds a material that shows the solid whose slices are in a picture. `edge`: of the solid, in scene units."""
+    image = bpy.data.images.load(path)
+    count = voxels_of(*image.size)
+    material = bpy.data.materials.new(os.path.splitext(os.path.basename(path))[0])
+    material.use_nodes = True
+    nodes = SolidNodes(material.node_tree)
+    place = nodes.add("ShaderNodeTexCoord").outputs["Object"]
+    periods = nodes.add("ShaderNodeVectorMath", (place, (1 / edge,) * 3), operation="MULTIPLY").outputs[0]
+    inside = nodes.add("ShaderNodeVectorMath", (periods,), operation="FRACTION").outputs[0]
+    x, y, z = (nodes.math("MULTIPLY", v, count) for v in nodes.add("ShaderNodeSeparateXYZ", (inside,)).outputs)
+    below = nodes.math("FLOOR", nodes.math("SUBTRACT", z, 0.5))
+    share = nodes.math("SUBTRACT", nodes.math("SUBTRACT", z, 0.5), below)
+    first = nodes.math("MODULO", nodes.math("ADD", below, count), count)
+    second = nodes.math("MODULO", nodes.math("ADD", first, 1.0), count)
+    colors = [nodes.slice(image, count, x, y, k) for k in (first, second)]
+    color = nodes.add("ShaderNodeMixRGB", (share, *colors)).outputs[0]
+    surface = material.node_tree.nodes["Principled BSDF"]
+    material.node_tree.links.new(color, surface.inputs["Base Color"])
+    return material
+
+
 class IMPORT_SCENE_OT_terrazzo(bpy.types.Operator, ImportHelper):
     """Import particles and volumes that Terrazzo has exported"""
     bl_idname = "import_scene.terrazzo"
@@ -167,14 +231,24 @@ class IMPORT_SCENE_OT_terrazzo(bpy.types.Operator, ImportHelper):
     bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ".glb"
-    filter_glob: bpy.props.StringProperty(default="*.glb;*.vdb", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(default="*.glb;*.vdb;*.png", options={"HIDDEN"})
     volume: bpy.props.BoolProperty(
         name="Volume", default=True,
         description="With a .glb file, also import the .vdb file of the same name, hidden, since particles fill the same space")
 
+    edge: bpy.props.FloatProperty(
+        name="Edge", default=1.0, min=1e-6,
+        description="With a .png file of slices, the edge of the solid in units of the scene")
+
     def execute(self, context):
         stem, extension = os.path.splitext(self.filepath)
         try:
+            if extension.lower() == ".png":
+                material = import_solid(self.filepath, self.edge)
+                if context.object is not None and context.object.type == "MESH":
+                    context.object.data.materials.append(material)
+                self.report({"INFO"}, f"material {material.name}")
+                return {"FINISHED"}
             if extension.lower() == ".vdb":
                 grids = import_volume(self.filepath, context, hidden=False)
                 self.report({"INFO"}, f"{grids} grids")
@@ -191,7 +265,7 @@ class IMPORT_SCENE_OT_terrazzo(bpy.types.Operator, ImportHelper):
 
 
 def menu_entry(self, _context):
-    self.layout.operator(IMPORT_SCENE_OT_terrazzo.bl_idname, text="Terrazzo (.glb, .vdb)")
+    self.layout.operator(IMPORT_SCENE_OT_terrazzo.bl_idname, text="Terrazzo (.glb, .vdb, .png)")
 
 
 classes = [IMPORT_SCENE_OT_terrazzo]

@@ -63,11 +63,71 @@ class Shadow {
   std::vector<Vec3f> directions_;
 };
 
-// Of the points from which rays start.
-struct SkyPoint {
-  float open = 1;
-  Vec3f mm = Vec3f::Zero();
-  std::int32_t triangle = -1;
+// A grid of points of the texture from which rays start, and what lies between them.
+class SkyGrid {
+ public:
+  SkyGrid(const UvTexels& texels, const TexelPlaces& places, const Shadow& shadow)
+      : texels_(texels),
+        places_(places),
+        shadow_(shadow),
+        step_((texels.size + kGrid - 1) / kGrid),
+        side_((texels.size + step_ - 1) / step_),
+        points_(pixels_in(side_, side_)) {}
+
+  void shoot(int row) {
+    for (int i = 0; i < side_; ++i) {
+      const int x = texel_of(i), y = texel_of(row);
+      Point& point = points_[pixel_at(i, row, side_)];
+      point.triangle = triangle(x, y);
+      if (point.triangle < 0) continue;
+      point.mm = place(x, y);
+      point.open = ray(x, y);
+    }
+  }
+  int rows() const { return side_; }
+
+  // Of a texel of a triangle.
+  float open(int x, int y) const {
+    const TexelPlaces::Axes axes = places_.axes(triangle(x, y));
+    const Vec3f mm = place(x, y);
+    // Farther away, or turned by more than 30°, is another part of the mesh.
+    const float reach = 2 * static_cast<float>(step_ * std::max(axes.right.norm(), axes.down.norm()));
+    const double u = double(x - step_ / 2) / step_, v = double(y - step_ / 2) / step_;
+    const int i = round_down(u), j = round_down(v);
+    double sum = 0, weights = 0;
+    for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
+      if (i + di < 0 || j + dj < 0 || i + di >= side_ || j + dj >= side_) continue;
+      const Point& point = points_[pixel_at(i + di, j + dj, side_)];
+      if (point.triangle < 0 || (point.mm - mm).norm() > reach ||
+          places_.axes(point.triangle).normal.dot(axes.normal) < 0.866)
+        continue;
+      const double weight = (di ? u - i : i + 1 - u) * (dj ? v - j : j + 1 - v);
+      sum += weight * double{point.open};
+      weights += weight;
+    }
+    return weights > 1e-3 ? static_cast<float>(sum / weights) : ray(x, y);
+  }
+
+ private:
+  struct Point {
+    float open = 1;
+    Vec3f mm = Vec3f::Zero();
+    std::int32_t triangle = -1;
+  };
+  // The middle texel of a cell of the grid.
+  int texel_of(int i) const { return std::min(texels_.size - 1, i * step_ + step_ / 2); }
+  std::int32_t triangle(int x, int y) const { return texels_.triangle[pixel_at(x, y, texels_.size)]; }
+  Vec3f place(int x, int y) const { return places_.at(triangle(x, y), x, y, 0.5, 0.5).cast<float>(); }
+  float ray(int x, int y) const {
+    const std::int32_t t = triangle(x, y);
+    return shadow_.open(places_.at(t, x, y, 0.5, 0.5), places_.axes(t).normal);
+  }
+
+  const UvTexels& texels_;
+  const TexelPlaces& places_;
+  const Shadow& shadow_;
+  int step_, side_;  // texels from point to point; points along an edge
+  std::vector<Point> points_;
 };
 
 }  // namespace
@@ -75,49 +135,16 @@ struct SkyPoint {
 std::vector<float> open_sky(const Mesh& mesh, const UvTexels& texels, const TexelPlaces& places, double scale,
                             const Work& work) {
   const Shadow shadow(mesh, scale);
-  const int n = texels.size, step = (n + kGrid - 1) / kGrid, points = (n + step - 1) / step;
-  // The point of cell (i, j) is its middle texel.
-  const auto texel_of = [&](int i) { return std::min(n - 1, i * step + step / 2); };
-  const auto ray = [&](int x, int y) {
-    const std::int32_t t = texels.triangle[pixel_at(x, y, n)];
-    return shadow.open(places.at(t, x, y, 0.5, 0.5), places.axes(t).normal);
-  };
-  std::vector<SkyPoint> sky(pixels_in(points, points));
-  work.part(0, 0.8).parallel(points, 1, [&](std::size_t begin, std::size_t end) {
-    for (int j = static_cast<int>(begin); j < static_cast<int>(end); ++j)
-      for (int i = 0; i < points; ++i) {
-        const int x = texel_of(i), y = texel_of(j);
-        SkyPoint& point = sky[pixel_at(i, j, points)];
-        point.triangle = texels.triangle[pixel_at(x, y, n)];
-        if (point.triangle < 0) continue;
-        point.mm = places.at(point.triangle, x, y, 0.5, 0.5).cast<float>();
-        point.open = ray(x, y);
-      }
+  SkyGrid sky(texels, places, shadow);
+  work.part(0, 0.8).parallel(sky.rows(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) sky.shoot(static_cast<int>(row));
   });
   std::vector<float> out(texels.triangle.size(), 1.0f);
-  work.part(0.8, 1).parallel(n, 1, [&](std::size_t begin, std::size_t end) {
-    for (int y = static_cast<int>(begin); y < static_cast<int>(end); ++y)
-      for (int x = 0; x < n; ++x) {
-        const std::int32_t t = texels.triangle[pixel_at(x, y, n)];
-        if (t < 0) continue;
-        const TexelPlaces::Axes axes = places.axes(t);
-        const Vec3f mm = places.at(t, x, y, 0.5, 0.5).cast<float>();
-        // Farther away, or turned by more than 30°, is another part of the mesh.
-        const float reach = 2 * static_cast<float>(step * std::max(axes.right.norm(), axes.down.norm()));
-        const double u = double(x - step / 2) / step, v = double(y - step / 2) / step;
-        const int i = round_down(u), j = round_down(v);
-        double sum = 0, weights = 0;
-        for (const auto& [di, dj] : {std::pair(0, 0), {1, 0}, {0, 1}, {1, 1}}) {
-          if (i + di < 0 || j + dj < 0 || i + di >= points || j + dj >= points) continue;
-          const SkyPoint& point = sky[pixel_at(i + di, j + dj, points)];
-          if (point.triangle < 0 || (point.mm - mm).norm() > reach ||
-              places.axes(point.triangle).normal.dot(axes.normal) < 0.866)
-            continue;
-          const double weight = (di ? u - i : i + 1 - u) * (dj ? v - j : j + 1 - v);
-          sum += weight * double{point.open};
-          weights += weight;
-        }
-        out[pixel_at(x, y, n)] = weights > 1e-3 ? static_cast<float>(sum / weights) : ray(x, y);
+  work.part(0.8, 1).parallel(texels.size, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      for (int x = 0; x < texels.size; ++x) {
+        const std::size_t at = row * texels.size + x;
+        if (texels.triangle[at] >= 0) out[at] = sky.open(x, static_cast<int>(row));
       }
   });
   extend_to_blanks(texels, out);
