@@ -6,6 +6,7 @@
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/export/cut_mesh.h"
 #include "nodes/export/instances.h"
+#include "runtime/memory.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -82,6 +83,30 @@ Tiling tiling_of(const Particles& particles, const Shapes& shapes, std::size_t i
   return out;
 }
 
+// Before anything is cut.
+void check_sizes(const Particles& particles, const Shapes& shapes, Crossing crossing, std::uint64_t memory) {
+  constexpr double kMostBoxes = 16, kPerTriangle = 80;  // bytes of a part and its copy
+  std::vector<double> radius;
+  for (const Shape& s : shapes.shapes) radius.push_back(mesh_bounding_radius(s.mesh));
+  double triangles = 0;
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    if (particles.is_void(i)) continue;
+    const double reach = radius[particles.shape[i]] * std::abs(particles.scale[i]);
+    if (2 * reach > kMostBoxes * particles.box.minCoeff())
+      throw Error(
+          "box-too-small",
+          fmt::format("particle {} is {:.4g} mm wide, more than {:g} times the box's edge of {:.4g} mm", i,
+                      2 * reach, kMostBoxes, particles.box.minCoeff()),
+          "make a larger box, or set crossing to once")
+          .parameter("crossing");
+    const Vec3& p = particles.position[i];
+    if ((p.array() < reach).any() || (p.array() > particles.box.array() - reach).any())
+      triangles += static_cast<double>(shapes.shapes[particles.shape[i]].mesh.triangles.size());
+  }
+  if (crossing == Crossing::Cut)
+    require_memory(kPerTriangle * triangles, memory, "the parts of the particles that are cut");
+}
+
 void append_part(TiledPacking& to, const Particles& from, const Shapes& shapes, std::size_t i, Mesh mesh,
                  std::size_t number) {
   append(to, from, i);
@@ -103,12 +128,13 @@ void append_part(TiledPacking& to, const Particles& from, const Shapes& shapes, 
 }  // namespace
 
 TiledPacking tiled_packing(const Particles& particles, const Shapes& shapes, Crossing crossing,
-                           bool flat_caps, const Work& work) {
+                           bool flat_caps, std::uint64_t memory, const Work& work) {
   instances_of(particles, shapes);  // checks them
   if (crossing == Crossing::Once) return {particles, shapes};
   if (!(particles.box.allFinite() && (particles.box.array() > 0).all()))
     throw Error("bad-box", fmt::format("the box has the edges {}, {} and {} mm", particles.box.x(),
                                        particles.box.y(), particles.box.z()));
+  check_sizes(particles, shapes, crossing, memory);
   std::vector<Tiling> tilings(particles.count());
   work.parallel(particles.count(), 16, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)

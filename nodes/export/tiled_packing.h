@@ -28,7 +28,9 @@ struct TiledPacking {
 
 // Particles in their order, each followed by its images or replaced by its parts, which are shapes of their
 // own at the origin. Once: the packing as it is; else without voids. `flat_caps`: caps of smooth shapes have
-// vertices of their own. Throws the errors of instances_of, and Error "open-mesh", "bad-box".
-TiledPacking tiled_packing(const Particles&, const Shapes&, Crossing, bool flat_caps, const Work& = {});
+// vertices of their own. Throws the errors of instances_of, and Error "open-mesh", "bad-box", "box-too-small"
+// if a particle is more than 16 boxes wide, "too-large" if the parts do not fit into `memory` (bytes).
+TiledPacking tiled_packing(const Particles&, const Shapes&, Crossing, bool flat_caps, std::uint64_t memory,
+                           const Work& = {});
 
 }  // namespace terrazzo::exporting

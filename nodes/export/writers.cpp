@@ -94,7 +94,7 @@ TiledPacking packing_of(const Job& job, bool flat_caps) {
   Context& c = job.context;
   const auto crossing = c.choice<Crossing>("crossing");
   TiledPacking out = tiled_packing(*job.particles(), *job.find<Shapes>("Shapes"), crossing, flat_caps,
-                                   c.work().part(0, 0.5));
+                                   c.memory(), c.work().part(0, 0.5));
   if (crossing != Crossing::Once) c.metric("instances", out.particles.count());
   if (crossing == Crossing::Cut) {
     c.metric("parts", out.parts);

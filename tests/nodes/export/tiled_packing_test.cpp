@@ -125,7 +125,7 @@ TEST(TiledPacking, PartsFillTheBoxAsTheParticlesDo) {
   Particles p = scattered(60, Vec3(9, 8, 7), 5);
   p.voids.assign(p.count(), 0);
   p.voids[7] = 1;
-  const TiledPacking tiled = tiled_packing(p, shapes, Crossing::Cut, true);
+  const TiledPacking tiled = tiled_packing(p, shapes, Crossing::Cut, true, 1 << 30);
   double whole = 0, written = 0;
   for (std::size_t i = 0; i < p.count(); ++i)
     if (!p.is_void(i)) whole += mesh_volume(placed(p, shapes, i));
@@ -155,8 +155,8 @@ double winding(const Mesh& m, const Vec3& p) {
 TEST(TiledPacking, RepeatedAndCutPackingsFillTheSamePointsOfTheBox) {
   const Shapes shapes = rings_and_cubes();
   const Particles p = scattered(12, Vec3(5, 6, 4), 8);
-  const TiledPacking repeated = tiled_packing(p, shapes, Crossing::Repeated, true),
-                     cut = tiled_packing(p, shapes, Crossing::Cut, true);
+  const TiledPacking repeated = tiled_packing(p, shapes, Crossing::Repeated, true, 1 << 30),
+                     cut = tiled_packing(p, shapes, Crossing::Cut, true, 1 << 30);
   EXPECT_GT(repeated.particles.count(), p.count());
   EXPECT_EQ(repeated.shapes.shapes.size(), shapes.shapes.size());
   const auto covers = [](const TiledPacking& t, const Vec3& at) {
@@ -269,6 +269,11 @@ TEST(TiledPacking, RefusesWhatCannotBeWritten) {
   Particles flat = p;
   flat.box.z() = 0;
   EXPECT_EQ(code(flat, rings_and_cubes(), "a.stl", "cut"), "bad-box");
+  Particles huge = p;
+  huge.scale[1] = 1e9;
+  EXPECT_EQ(code(huge, rings_and_cubes(), "a.stl", "repeated"), "box-too-small");
+  EXPECT_EQ(test::code_of([&] { tiled_packing(p, rings_and_cubes(), Crossing::Cut, true, 1000); }),
+            "too-large");
   EXPECT_EQ(test::code_of([&] {
               test::run_node("Export", {{"particles", Value::of(p)}}, {{"path", "a.obj"}}, out);
             }),
