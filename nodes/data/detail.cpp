@@ -10,11 +10,39 @@
 namespace terrazzo {
 namespace {
 
+void encode_sheets(const Detail::Sheets& s, Writer& w) {
+  for (const float value : {s.length, s.width, s.bend, s.density, s.spread}) w.pod(value);
+  w.bytes(s.offset.data(), sizeof(float) * 3);
+}
+
+Detail::Sheets decode_sheets(Reader& r) {
+  Detail::Sheets s;
+  for (float* value : {&s.length, &s.width, &s.bend, &s.density, &s.spread}) *value = r.pod<float>();
+  r.bytes(s.offset.data(), sizeof(float) * 3);
+  const bool real = s.offset.allFinite() && s.spread >= 0 && s.spread < 1e6f && s.bend >= 0 && s.bend < 1e6f;
+  const bool lines = s.density > 0 && s.density <= 1 && s.length >= 1 && s.length < 1e6f && s.width >= 0.1f &&
+                     s.width < 1e3f;
+  if (s.density != 0 && !(real && lines)) throw Error("damaged", "the stored detail has sheets of no size");
+  return s;
+}
+
+void encode_scratches(const Detail& v, Writer& w) {
+  w.pod<std::uint64_t>(v.scratches.size());
+  for (const Detail::Scratch& s : v.scratches) {
+    w.pod(s.angle);
+    w.pod(s.length);
+    w.pod(s.area);
+    w.pod<std::uint8_t>(s.particles);
+    w.bytes(s.profile.data(), sizeof(s.profile));
+  }
+}
+
 void encode(const Detail& v, Writer& w) {
   w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
   w.raw_array(v.profile_color), w.array(v.profile_size), w.array(v.profile_group),
       w.raw_array(v.profile_contrast);
   w.raw_array(v.profile_broad);
+  w.array(v.profile_sheets);
   const Detail::Zones& z = v.zones;
   w.array(z.sigma);
   w.array(z.variance);
@@ -39,6 +67,7 @@ void encode(const Detail& v, Writer& w) {
     }
     w.array(p.gain);
     w.array(p.grain_gain);
+    encode_sheets(p.sheets, w);
     w.raw_array(p.tile);
     w.raw_array(p.broad);
   }
@@ -59,6 +88,7 @@ void encode(const Detail& v, Writer& w) {
   w.array(v.noise.chroma);
   w.array(v.noise.gray_kernel);
   w.array(v.noise.chroma_kernel);
+  encode_scratches(v, w);
 }
 
 Detail::Skin decode_skin(Reader& r) {
@@ -97,6 +127,21 @@ Detail::Noise decode_noise(Reader& r) {
   return noise;
 }
 
+void decode_scratches(Reader& r, Detail& v) {
+  v.scratches.resize(r.count(57));
+  for (Detail::Scratch& s : v.scratches) {
+    s.angle = r.pod<float>();
+    s.length = r.pod<float>();
+    s.area = r.pod<float>();
+    s.particles = r.pod<std::uint8_t>() != 0;
+    r.bytes(s.profile.data(), sizeof(s.profile));
+    const bool real =
+        std::all_of(s.profile.begin(), s.profile.end(), [](float o) { return std::isfinite(o); });
+    if (!real || !std::isfinite(s.angle) || !(s.length > 0 && s.length < 1e6f) || !(s.area >= 1))
+      throw Error("damaged", "the stored detail has a scratch that is no line");
+  }
+}
+
 Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>();
@@ -108,6 +153,7 @@ Detail decode_detail(Reader& r) {
   v.profile_group = r.array<std::int32_t>();
   v.profile_contrast = r.raw_array<Eigen::Vector2f>();
   v.profile_broad = r.raw_array<Eigen::Vector2f>();
+  v.profile_sheets = r.array<float>();
   Detail::Zones& z = v.zones;
   z.sigma = r.array<float>();
   z.variance = r.array<float>();
@@ -124,9 +170,10 @@ Detail decode_detail(Reader& r) {
     throw Error("damaged", "the stored detail has zones without a field");
   const std::size_t profiles = v.profile_color.size();
   if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
-      v.profile_size.size() != profiles || v.profile_group.size() != profiles)
+      v.profile_size.size() != profiles || v.profile_group.size() != profiles ||
+      (!v.profile_sheets.empty() && v.profile_sheets.size() != profiles) || !finite(v.profile_sheets))
     throw Error("damaged", "the stored detail has lists of different length");
-  v.phases.resize(r.count(56));
+  v.phases.resize(r.count(88));
   for (const std::int32_t group : v.profile_group)
     if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
       throw Error("damaged", "the stored detail has a profile of an unknown group");
@@ -147,6 +194,7 @@ Detail decode_detail(Reader& r) {
     }
     p.gain = r.array<float>();
     p.grain_gain = r.array<float>();
+    p.sheets = decode_sheets(r);
     p.tile = r.raw_array<Vec3f>();
     p.broad = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
@@ -162,6 +210,7 @@ Detail decode_detail(Reader& r) {
     throw Error("damaged", "the stored detail has a ground of the wrong size");
   v.tones = r.array<float>();
   v.noise = decode_noise(r);
+  decode_scratches(r, v);
   return v;
 }
 
@@ -186,6 +235,7 @@ nlohmann::json describe(const Detail& v) {
       sum += (p.broad.empty() ? p.tile[i] : Vec3f(p.tile[i] + p.broad[i])).squaredNorm();
     phases.push_back({{"color", json_of(p.color)},
                       {"slope", p.slope},
+                      {"sheets", p.sheets.density},
                       {"tilt", {p.tilt.x(), p.tilt.y()}},
                       {"rims", rims(p.rims)},
                       {"gain", p.gain},
@@ -208,6 +258,7 @@ nlohmann::json describe(const Detail& v) {
           {"skins", v.skins.size()},
           {"ground", {v.ground.width, v.ground.height}},
           {"tones", v.tones},
+          {"scratches", v.scratches.size()},
           {"noise", {{"gray", v.noise.gray}, {"chroma", v.noise.chroma}}},
           {"phases", std::move(phases)}};
 }

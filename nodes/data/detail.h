@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -42,6 +43,16 @@ struct Detail {
   // What light adds there. `normal`: the outline's, to the right and upwards in the picture.
   static Vec3f light_at(const std::vector<Rim>&, float distance, float size, const Eigen::Vector2f& normal);
 
+  // Cracks and veins: flat disks with waves, of any direction, that cross a phase. A plane shows them as
+  // lines.
+  struct Sheets {
+    // Of the lines in the photograph, pixels: mean length, standard deviation of their profile across, and of
+    // their middle from a straight line.
+    float length = 0, width = 0, bend = 0;
+    float density = 0;             // length of lines per area of the phase, per pixel; 0: none
+    Vec3f offset = Vec3f::Zero();  // in the middle of a line, in place of the tile's
+    float spread = 0;              // standard deviation of its lightness along the line
+  };
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
@@ -55,6 +66,7 @@ struct Detail {
     // Factors of the tile and of what is broad at i + ½ pixels from the nearest outline, and in particles
     // others of the tile alone. The last one holds beyond; 1 if empty.
     std::vector<float> gain, grain_gain;
+    Sheets sheets;
     std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };
@@ -79,6 +91,17 @@ struct Detail {
     // (2·kReach + 1)² values each, row by row, whose squares sum to 1. Empty with an empty deviation.
     std::vector<float> gray_kernel, chroma_kernel;
   };
+  // A straight line that polishing left on the photographed plane. It belongs to the picture, as noise does.
+  struct Scratch {
+    static constexpr int kReach = 5;
+    float angle = 0;         // from the right to upwards, 0 to π
+    float length = 0;        // pixels, with parts that something else hides
+    float area = 1;          // pixels of the photograph for one of these
+    bool particles = false;  // whether particles show it, else the binder
+    // Offsets of sRGB-encoded lightness at −kReach … kReach pixels across, upwards or to the left.
+    std::array<float, 2 * kReach + 1> profile{};
+  };
+  std::vector<Scratch> scratches;
   // The outside of a photographed stone, seen from above, without the light and shade of its form. Rows run
   // downwards; beyond the stone's outline, it continues as its mirror image.
   struct Skin {
@@ -125,6 +148,7 @@ struct Detail {
   std::vector<std::int32_t> profile_group;        // index of its group in `phases`
   std::vector<Eigen::Vector2f> profile_contrast;  // of the grain
   std::vector<Eigen::Vector2f> profile_broad;     // of the broad part
+  std::vector<float> profile_sheets;              // relative to the density of its group's sheets; empty: 1
   bool gray = false;                              // the photograph has no color, and neither have the offsets
   double softness = 0;                            // standard deviation of the blur of outlines, pixels
 };

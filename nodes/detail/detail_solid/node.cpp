@@ -14,6 +14,7 @@
 #include "nodes/detail/detail_solid/contrast.h"
 #include "nodes/detail/detail_solid/ground.h"
 #include "nodes/detail/detail_solid/light.h"
+#include "nodes/detail/detail_solid/lines.h"
 #include "nodes/detail/detail_solid/noise.h"
 #include "nodes/detail/detail_solid/rim.h"
 #include "nodes/detail/detail_solid/skins.h"
@@ -104,6 +105,26 @@ void take_out_noise(Context& c, const Image& photograph, const Labels& labels, c
   c.metric("noise", sum);
 }
 
+// Measures cracks, veins and scratches, and takes their pixels out of the phases. Not of surfaces.
+// `clean`: the photograph without noise.
+void take_out_lines(Context& c, Phases& phases, const Image& photograph, const Image& clean,
+                    const Labels& labels, Detail& detail) {
+  const Profiles* profiles = c.optional<Profiles>("profiles");
+  if (c.boolean("lines") && !(profiles && profiles->view == View::Surface)) {
+    std::vector<float> noise;
+    for (std::size_t i = 0; i < clean.pixels.size() && !detail.noise.gray.empty(); ++i)
+      noise.push_back(linear_to_srgb(photograph.pixels[i].cwiseMax(0.0f)).mean() -
+                      linear_to_srgb(clean.pixels[i].cwiseMax(0.0f)).mean());
+    split_lines(phases, labels, noise, detail, c.seed(), c.work().quiet());
+  }
+  double cracks = 0;
+  for (std::size_t k = 1; k < detail.phases.size(); ++k)
+    cracks = std::max(cracks, double{detail.phases[k].sheets.density});
+  c.metric("cracks", cracks);
+  c.metric("veins", detail.phases[0].sheets.density);
+  c.metric("scratches", detail.scratches.size());
+}
+
 void compute(Context& c) {
   const auto& photograph = c.input<Image>("image");
   const auto& labels = c.input<Labels>("labels");
@@ -141,6 +162,7 @@ void compute(Context& c) {
   c.metric("zones", detail.zones.level.empty() ? 1 : 2);
   split_rims(phases, labels, detail);
   if (c.boolean("light")) split_light(phases, labels, detail);
+  take_out_lines(c, phases, photograph, image, labels, detail);
   const std::vector<double> slopes = split_slopes(phases, labels);
   for (std::size_t g = 0; g < slopes.size(); ++g) {
     detail.phases[g + 1].color = phases.group_color[g];
@@ -171,7 +193,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 14)
+  return NodeType("DetailSolid", 15)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -221,6 +243,10 @@ NodeType detail_solid_node() {
                      .doc_("Measure the camera's noise, which is alike in all places, apart from the grain "
                            "of the material. Pictures of Section, View and Repaint show it; volumes and "
                            "rendered solids do not contain it. Surfaces keep theirs."))
+      .parameter(Parameter::boolean("lines", true)
+                     .doc_("Find cracks, veins and scratches as lines. Cracks of particles and veins of the "
+                           "binder become sheets through the solid. Scratches belong to the picture, as "
+                           "noise does. Surfaces have none."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

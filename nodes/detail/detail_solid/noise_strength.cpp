@@ -11,7 +11,7 @@
 namespace terrazzo::detail_solid {
 namespace {
 
-constexpr int kApart = 4;  // pixels between blocks
+constexpr int kBlocksApart = 4;  // pixels between blocks
 constexpr std::size_t kFewest = 200, kMostBlocks = 60000;
 // How many times further blocks may spread than those of Gaussian noise. That of one camera measures 1.05 to
 // 1.3, with the slopes and edges that blocks contain.
@@ -188,9 +188,9 @@ void fill_levels(std::array<float, kLightness>& at, const std::array<bool, kLigh
 std::array<Strength, 3> strengths_of(const std::vector<Plane>& planes, const Work& work) {
   std::vector<std::array<int, 3>> places;
   for (int s = 0; s < count_of(planes); ++s)
-    for (int y = 0; y + kBlock <= planes[s].height; y += kApart) {
+    for (int y = 0; y + kBlock <= planes[s].height; y += kBlocksApart) {
       work.check();
-      for (int x = 0; x + kBlock <= planes[s].width; x += kApart)
+      for (int x = 0; x + kBlock <= planes[s].width; x += kBlocksApart)
         if (planes[s].even(x, y)) places.push_back({s, x, y});
     }
   const std::size_t every = places.size() / kMostBlocks + 1;
