@@ -290,7 +290,7 @@ std::vector<Line> find_lines(const LinePicture& p, const LineOptions& o, std::ui
   for (const Line& line : join_crests(ridges[1], limit, p, o)) most = std::max(most, line.score);
   std::vector<Line> lines = join_crests(ridges[0], limit, p, o);
   std::erase_if(lines, [&](const Line& line) {
-    return line.score <= most || line.bend > o.bend || line.length < o.length;
+    return line.score <= o.clear * most || line.bend > o.bend || line.length < o.length;
   });
   std::map<std::pair<int, bool>, int> clear;
   for (const Line& line : lines) clear[{line.kind, line.dark}] += line.score > kClear * most;

@@ -29,6 +29,7 @@ struct LineOptions {
   // Only lines that deviate from a straight one by at most `bend`, standard deviation in pixels, and are at
   // least `length` long, count.
   double bend = 1e9, length = 0;
+  float clear = 1;  // least score, relative to the clearest line of chance
 };
 
 struct Line {
@@ -46,7 +47,8 @@ struct Line {
 // deviation in white noise; their ridges (Canny 1986, Steger 1998) above a limit are joined to lines. The
 // limit comes from the same search in a picture that has the same values and the same spectrum but no lines,
 // because its phases are random (surrogate data: Theiler et al. 1992).
-// A line counts if it is clearer than all there, and a kind has lines if at least three are twice as clear.
+// A line counts if it is `clear` times as clear as the clearest there, and a kind has lines if at least three
+// are twice as clear.
 std::vector<Line> find_lines(const LinePicture&, const LineOptions&, std::uint64_t seed, const Work& = {});
 
 }  // namespace terrazzo::detail_solid

@@ -26,9 +26,7 @@ constexpr float kRimWidth = 8;  // pixels from an outline
 constexpr int kBesideLine = 2;  // pixels on each side of a line that show it
 constexpr int kAcross = Detail::Scratch::kReach;
 constexpr int kFewestSheets = 12;  // fewer do not tell a density
-constexpr int kHarmonics = 4;
-constexpr double kSharedDirections = 20.1;  // χ² of 8 degrees of freedom at 1 %
-constexpr LineOptions kScratches{12, 1, 24, 1, 24}, kSheets{3, 0.8, 16, 1e9, 8};
+constexpr LineOptions kScratches{12, 1, 24, 1, 24}, kSheets{3, 0.8, 16, 1e9, 8, 0.5f};
 
 class LineFinder {
  public:
@@ -43,7 +41,7 @@ class LineFinder {
   void find(Detail& detail, std::uint64_t seed, const Work& work) {
     prepare(work);
     std::vector<Line> scratches = find_lines(with_kinds(false), kScratches, seed, work.part(0, 0.5));
-    drop_cracks(scratches);
+    std::erase_if(scratches, [](const Line& line) { return line.kind > 0; });  // cracks run straight, too
     measure_scratches(scratches, detail);
     take_out(scratches);
     const std::vector<Line> lines = find_lines(with_kinds(true), kSheets, seed + 1, work.part(0.5, 1));
@@ -52,10 +50,7 @@ class LineFinder {
       std::vector<Line> own;
       for (const Line& line : lines)
         if (line.kind == phase && line.dark == mostly_dark(lines, phase)) own.push_back(line);
-      if (count_of(own) < kFewestSheets ||
-          std::any_of(scratches.begin(), scratches.end(),
-                      [&](const Line& line) { return (line.kind > 0) == (phase > 0); }))
-        continue;
+      if (count_of(own) < kFewestSheets || (phase == 0 && !scratches.empty())) continue;
       detail.phases[phase].sheets = sheets_of(own, phase);
       if (phase > 0) measure_profiles(own, phase, detail.phases[phase].sheets);
       take_out(own);
@@ -134,23 +129,6 @@ class LineFinder {
       picture_.kind.at<std::uint8_t>(q) = static_cast<std::uint8_t>(phases ? std::max(0, k) : k > 0);
     });
     return picture_;
-  }
-
-  // Leaves those of particles only if they share few directions.
-  static void drop_cracks(std::vector<Line>& lines) {
-    double z = 0;
-    for (int k = 1; k <= kHarmonics; ++k) {
-      double x = 0, y = 0, n = 0;
-      for (const Line& line : lines) {
-        if (line.kind == 0) continue;
-        const double turn = 2 * k * std::atan2(line.direction.y, line.direction.x);
-        x += std::cos(turn);
-        y += std::sin(turn);
-        ++n;
-      }
-      if (n > 0) z += 2 * (x * x + y * y) / n;
-    }
-    if (z < kSharedDirections) std::erase_if(lines, [](const Line& line) { return line.kind > 0; });
   }
 
   static bool mostly_dark(const std::vector<Line>& lines, int kind) {

@@ -10,10 +10,9 @@ namespace terrazzo::detail_solid {
 
 // Finds lines in the middle of the first section, at most 1,024 pixels square, measures them and takes their
 // pixels out of the phases.
-// - Scratches are straight over at least 24 pixels and share few directions, in the binder or in particles
-//   (Z² of four harmonics at 1 %: Buccheri et al. 1983). Cracks of different grains have different ones.
-// - All other lines are sheets of their phase, of whichever sign makes more of them. Phases with scratches
-//   have none, because short pieces of scratches look like them.
+// - Scratches are lines of the binder that are straight over at least 24 pixels.
+// - All other lines are sheets of their phase, of whichever sign makes more of them. A binder with scratches
+//   has none, because short pieces of scratches look like them.
 // Within 8 pixels of an outline, only lines that cross it count; others are rims. Each profile gets its own
 // density. `noise`: what was taken out of the photograph's lightness before, sRGB-encoded; empty: nothing.
 // Where it was taken out, it left patterns of its own.
