@@ -1,4 +1,4 @@
-#include "nodes/detail/detail_solid/line_filter.h"
+#include "nodes/detail/detail_solid/lines.h"
 
 #include <opencv2/core.hpp>
 

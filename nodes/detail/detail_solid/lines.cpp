@@ -12,7 +12,6 @@
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/indices.h"
-#include "nodes/detail/detail_solid/line_filter.h"
 
 namespace terrazzo::detail_solid {
 namespace {
