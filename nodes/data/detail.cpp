@@ -80,6 +80,7 @@ void encode(const Detail& v, Writer& w) {
     w.bytes(skin.center.data(), sizeof(float) * 2);
     w.bytes(skin.spread.data(), sizeof(float) * 4);
     w.raw_array(skin.shade);
+    w.array(skin.outline);
   }
   w.pod(v.ground.width), w.pod(v.ground.height);
   w.raw_array(v.ground.shade);
@@ -102,6 +103,7 @@ Detail::Skin decode_skin(Reader& r) {
   r.bytes(skin.center.data(), sizeof(float) * 2);
   r.bytes(skin.spread.data(), sizeof(float) * 4);
   skin.shade = r.raw_array<Vec3f>();
+  skin.outline = r.array<float>();
   if (!(skin.size > 0) || skin.width < 1 || skin.height < 1 ||
       skin.shade.size() != pixels_in(skin.width, skin.height) || !(skin.spread.determinant() > 0))
     throw Error("damaged", "the stored detail has a skin of the wrong size");

@@ -114,6 +114,9 @@ struct Detail {
     Eigen::Vector2f center = Eigen::Vector2f::Zero();      // of the silhouette, pixels
     Eigen::Matrix2f spread = Eigen::Matrix2f::Identity();  // variance of its points, pixels²
     std::vector<Vec3f> shade;                              // skin_shade() of each pixel, row by row
+    // How far from the center the stone is seen, pixels, in directions that are even from x to y, rows
+    // running downwards; empty: unknown.
+    std::vector<float> outline;
   };
   // The logarithm of a color relative to another one, and the color that has it. Very dark colors count as
   // similar, because the camera's noise is all that tells them apart.

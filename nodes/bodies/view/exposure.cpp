@@ -191,19 +191,35 @@ struct StoneSums {
   }
 };
 
-// The share of a stone's difference in color that, with its light, differs as much as colors alone.
-double share_of_colors(const std::vector<StoneSums>& stones, const StoneSums& mean) {
-  double colors = 0, both = 0, light = 0;
+// How far apart the quartiles by area are of `share` · color + `light` · light.
+double spread_of(const std::vector<StoneSums>& stones, double share, double light) {
+  std::vector<std::pair<double, double>> values;  // and pixels
+  double pixels = 0;
   for (const StoneSums& s : stones) {
-    const double color = s.color - mean.color;
-    const double own_light = s.light - mean.light;
-    colors += s.pixels * color * color;
-    both += s.pixels * color * own_light;
-    light += s.pixels * own_light * own_light;
+    values.emplace_back(share * s.color + light * s.light, s.pixels);
+    pixels += s.pixels;
   }
-  if (!(colors > 0)) return 1;
-  const double root = std::sqrt(std::max(0.0, both * both + colors * (colors - light)));
-  return std::clamp((root - both) / colors, 0.0, 1.0);
+  std::sort(values.begin(), values.end());
+  double below = 0, lower = 0;
+  for (const auto& [value, own] : values) {
+    if (below < pixels / 4) lower = value;
+    below += own;
+    if (below >= 0.75 * pixels) return value - lower;
+  }
+  return 0;
+}
+
+// The share of a stone's difference in color that, with its light, differs as much as colors alone. Quartiles
+// tell, because nobody can outline the darkest stones in a photograph.
+double share_of_colors(const std::vector<StoneSums>& stones) {
+  constexpr int kHalvings = 10;
+  const double wanted = spread_of(stones, 1, 0);
+  double low = 0, high = 1;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = (low + high) / 2;
+    (spread_of(stones, middle, 1) > wanted ? high : low) = middle;
+  }
+  return high;
 }
 
 // The light that a photograph shows on its stones is part of the colors that were measured there, and falls
@@ -220,7 +236,7 @@ void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light
     s.divide();
   }
   mean.divide();
-  const double less = share_of_colors(stones, mean) - 1;
+  const double less = share_of_colors(stones) - 1;
   for (std::size_t i = 0; i < light.size(); ++i)
     if (p.stone[i] >= 0 && stones[p.stone[i]].pixels > 0)
       light[i] *= static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean.color)));

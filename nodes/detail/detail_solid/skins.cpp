@@ -182,6 +182,25 @@ void remove_rims(std::vector<Stone>& stones) {
     });
 }
 
+// How far the stone is seen in each direction; 0 where its center is hidden in that direction.
+void measure_outline(Stone& stone) {
+  constexpr int kDirections = 64;
+  constexpr float kStep = 0.5F;  // pixels
+  Detail::Skin& skin = stone.skin;
+  const float farthest = std::hypot(static_cast<float>(skin.width), static_cast<float>(skin.height));
+  for (int k = 0; k < kDirections; ++k) {
+    const float angle = 2 * std::numbers::pi_v<float> * k / kDirections;
+    float last = 0;
+    for (float r = 0; r < farthest; r += kStep) {
+      const int x = round_down(skin.center.x() + r * std::cos(angle));
+      const int y = round_down(skin.center.y() + r * std::sin(angle));
+      if (x < 0 || y < 0 || x >= skin.width || y >= skin.height) break;
+      if (stone.seen[pixel_at(x, y, skin.width)]) last = r;
+    }
+    skin.outline.push_back(last);
+  }
+}
+
 // Beyond the outline, and where another stone hides it, a stone continues as its own mirror image.
 void mirror_outwards(Stone& stone) {
   Detail::Skin& skin = stone.skin;
@@ -255,6 +274,7 @@ std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, c
   std::vector<Detail::Skin> skins;
   for (Stone& stone : stones) {
     work.check();
+    measure_outline(stone);
     mirror_outwards(stone);
     skins.push_back(std::move(stone.skin));
   }

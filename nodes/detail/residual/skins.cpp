@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/texture/color.h"
@@ -64,6 +66,20 @@ double stretching(const Mat2& symmetric) {
   const double mean = symmetric.trace() / 2;
   const double part = std::sqrt(std::max(0.0, mean * mean - symmetric.determinant()));
   return std::log((mean + part) / std::max(mean - part, 1e-6 * mean));
+}
+
+// Where an angle in radians lies among this many directions around a circle, from 0 up to their number.
+float direction_of(float angle, int directions) {
+  const float turn = angle / (2 * std::numbers::pi_v<float>);
+  return (turn - std::floor(turn)) * static_cast<float>(directions);
+}
+
+// Linear between directions.
+float in_direction(std::span<const float> outline, float angle) {
+  const int n = count_of(outline);
+  const float at = direction_of(angle, n);
+  const int k = round_down(at);
+  return std::lerp(outline[k % n], outline[(k + 1) % n], at - static_cast<float>(k));
 }
 
 // Between pixel centers by Catmull and Rom's cubic, which keeps grain sharp. `index`: of the pixel in a
@@ -129,7 +145,9 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
     worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
                       own_skin(shapes.shapes[shape], particles, p));
-    if (!bare(static_cast<int>(p))) covers_[worn_[p].skin] += square(particles.size[p]);
+    if (bare(static_cast<int>(p))) continue;
+    covers_[worn_[p].skin] += square(particles.size[p]);
+    worn_[p].outline = outline_on_skin(worn_[p], shapes.shapes[shape].mesh, turn);
   }
 }
 
@@ -187,12 +205,40 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   return best;
 }
 
+// The farthest vertex in each direction; 0 where there is none.
+Skins::Outline Skins::outline_on_skin(const Worn& worn, const Mesh& mesh, const Mat3& turn) const {
+  Outline outline{};
+  const Eigen::Vector2f start = worn.start - skins_[worn.skin].center;
+  const Eigen::Matrix<float, 2, 3> to_skin = worn.to_skin * turn.cast<float>();
+  for (const Vec3& v : mesh.vertices) {
+    const Eigen::Vector2f at = to_skin * v.cast<float>() + start;
+    const int k = round_nearest(direction_of(std::atan2(at.y(), at.x()), count_of(outline)));
+    float& farthest = outline[k % count_of(outline)];
+    farthest = std::max(farthest, at.norm());
+  }
+  return outline;
+}
+
+// The place on the skin for a place relative to its center, both in pixels.
+Eigen::Vector2f Skins::fitted(const Worn& worn, const Eigen::Vector2f& at) const {
+  constexpr float kLeast = 0.8F, kMost = 1.25F;  // beyond them, grain would smear
+  const std::vector<float>& seen = skins_[worn.skin].outline;
+  const float distance = at.norm();
+  if (seen.empty() || !(distance > 0)) return at;
+  const float angle = std::atan2(at.y(), at.x());
+  const float own = in_direction(worn.outline, angle);
+  const float its = in_direction(seen, angle);
+  if (!(own > 0) || !(its > 0)) return at;
+  const float ratio = std::clamp(its / own, kLeast, kMost);
+  return at * (1 + (ratio - 1) * std::min(1.0F, distance / own));
+}
+
 Vec3f Skins::at(const Vec3f& mm, int particle, const Vec3f& color) const {
   const Worn& worn = worn_[particle];
   Vec3f offset = mm - worn.center;
   for (int a = 0; a < 3; ++a) offset[a] -= box_[a] * std::round(offset[a] / box_[a]);
   const Detail::Skin& skin = skins_[worn.skin];
-  const Eigen::Vector2f at = worn.to_skin * offset + worn.start;
+  const Eigen::Vector2f at = skin.center + fitted(worn, worn.to_skin * offset + worn.start - skin.center);
   const auto index = [&](int x, int y) {
     return pixel_at(std::clamp(x, 0, skin.width - 1), std::clamp(y, 0, skin.height - 1), skin.width);
   };

@@ -1,6 +1,7 @@
 // The outsides of photographed stones on the particles of a packing.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <vector>
@@ -16,8 +17,9 @@ namespace terrazzo::residual {
 // shape was traced, the skin lies in its place. That of another stone is projected along z, the direction in
 // which the photograph looked: it is moved and stretched so that the ellipse of the stone's silhouette falls
 // on that of the particle's, with as little stretching as possible (the optimal transport between two
-// ellipses). Skins that need little stretching, and above all no enlarging, are preferred, and those that few
-// others wear.
+// ellipses). Then points move away from the middle or toward it, the more the nearer they are to the outline,
+// until the particle's outline falls on that of what is seen of the stone. Skins that need little stretching,
+// and above all no enlarging, are preferred, and those that few others wear.
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
@@ -36,6 +38,8 @@ class Skins {
   Vec3f at(const Vec3f& mm, int particle, const Vec3f& color) const;
 
  private:
+  // Distances from the skin's center, pixels, in directions as those of Detail::Skin::outline.
+  using Outline = std::array<float, 32>;
   struct Worn {
     int skin = -1;
     float lost_grain = 0;
@@ -43,7 +47,10 @@ class Skins {
     Eigen::Matrix<float, 2, 3> to_skin = Eigen::Matrix<float, 2, 3>::Zero();
     Eigen::Vector2f start = Eigen::Vector2f::Zero();
     Vec3f center = Vec3f::Zero();  // the particle's position, mm
+    Outline outline{};             // of the particle, on the skin
   };
+  Outline outline_on_skin(const Worn&, const Mesh&, const Mat3& turn) const;
+  Eigen::Vector2f fitted(const Worn&, const Eigen::Vector2f& at) const;
   std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;
   Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2d& spread,
               const std::optional<Worn>& own) const;

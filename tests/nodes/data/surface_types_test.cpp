@@ -48,6 +48,7 @@ TEST(SurfaceTypes, SkinsGroundAndTonesAreStored) {
   skin.height = 1;
   skin.center = {1, 0.5F};
   skin.shade = {Vec3f(1, 2, 3), Vec3f(4, 5, 6)};
+  skin.outline = {1, 0.5F};
   detail.skins.push_back(skin);
   detail.ground.width = 1;
   detail.ground.height = 2;
@@ -61,6 +62,7 @@ TEST(SurfaceTypes, SkinsGroundAndTonesAreStored) {
   EXPECT_EQ(back->skins[0].center, skin.center);
   EXPECT_EQ(back->skins[0].spread, skin.spread);
   EXPECT_EQ(back->skins[0].shade, skin.shade);
+  EXPECT_EQ(back->skins[0].outline, skin.outline);
   EXPECT_EQ(back->ground.shade, detail.ground.shade);
   EXPECT_EQ(back->tones, detail.tones);
   detail.skins[0].width = 3;

@@ -63,6 +63,20 @@ void expect_near(const Eigen::Vector2f& a, float x, float y, float tolerance = 0
   EXPECT_NEAR(a.y(), y, tolerance);
 }
 
+// A stone that is seen up to 25 of its 30 pixels to the right, so that the rim of the particle shows what is
+// there, and the middle stays.
+TEST(SkinsOfParticles, TheOutlineShowsTheLastThatIsSeen) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  for (int k = 0; k < 64; ++k) detail.skins[0].outline.push_back(k < 8 || k > 56 ? 25 : 30);
+  const Vec3 at(50, 50, 50);
+  const Skins skins(detail, one_particle(at, Quat::Identity(), 1), ball_of_3mm(), 0.1);
+  expect_near(read(skins, at + Vec3(2.95, 0, 0)), 24.6F, 0);
+  expect_near(read(skins, at + Vec3(0.3, 0, 0)), 2.9F, 0);
+  expect_near(read(skins, at + Vec3(-2.95, 0, 0)), -29.5F, 0);
+}
+
 TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
   Detail detail;
   detail.pixel_size = 0.1;
