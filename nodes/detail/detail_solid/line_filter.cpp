@@ -71,6 +71,21 @@ bool along_rim(const cv::Vec3f& rim, double angle) {
   return rim[2] > 0 && std::abs(rim[0] * std::cos(angle) + rim[1] * std::sin(angle)) < kCrossesRim;
 }
 
+// `response`: to the filter of direction k. `variance`: of the response to white noise; less than `least` is
+// no response.
+void keep_stronger(Ridges& best, const cv::Mat& response, const cv::Mat& variance, float least, int k) {
+  for (int y = 0; y < response.rows; ++y)
+    for (int x = 0; x < response.cols; ++x) {
+      const float of = variance.at<float>(y, x);
+      if (of < least) continue;
+      const float value = response.at<float>(y, x) / std::sqrt(of);
+      if (std::abs(value) > std::abs(best.strength.at<float>(y, x))) {
+        best.strength.at<float>(y, x) = value;
+        best.angle.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(k);
+      }
+    }
+}
+
 // Of each picture, whose known pixels are the same.
 std::vector<Ridges> find_ridges(const std::vector<cv::Mat>& pictures, const LinePicture& p,
                                 const LineOptions& o, const Work& work) {
@@ -91,24 +106,12 @@ std::vector<Ridges> find_ridges(const std::vector<cv::Mat>& pictures, const Line
       work.check();
       const double angle = angle_of(k, o.angles);
       cv::Mat kernel = line_kernel(o, angle, size), squares = kernel.mul(kernel);
-      const auto whole = static_cast<float>(cv::sum(squares)[0]);
+      const auto least = static_cast<float>(kLeastOfFilter * cv::sum(squares)[0]);
       cv::dft(kernel, kernel);
       cv::dft(squares, squares);
       const cv::Mat variance = line_filtered(known, squares, shown);
-      for (std::size_t n = 0; n < pictures.size(); ++n) {
-        const cv::Mat response = line_filtered(spectra[n], kernel, shown);
-        Ridges& best = parts[part][n];
-        for (int y = 0; y < shown.height; ++y)
-          for (int x = 0; x < shown.width; ++x) {
-            const float of = variance.at<float>(y, x);
-            if (of < kLeastOfFilter * whole) continue;
-            const float value = response.at<float>(y, x) / std::sqrt(of);
-            if (std::abs(value) > std::abs(best.strength.at<float>(y, x))) {
-              best.strength.at<float>(y, x) = value;
-              best.angle.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(k);
-            }
-          }
-      }
+      for (std::size_t n = 0; n < pictures.size(); ++n)
+        keep_stronger(parts[part][n], line_filtered(spectra[n], kernel, shown), variance, least, k);
     }
   });
   std::vector<Ridges> out = std::move(parts[0]);
@@ -127,8 +130,8 @@ std::vector<Ridges> find_ridges(const std::vector<cv::Mat>& pictures, const Line
   return out;
 }
 
-// The picture with random phases. Each kind keeps its values.
-cv::Mat without_lines(const LinePicture& p, std::uint64_t seed, const Work& work) {
+// A field of the picture's power spectrum with random phases.
+cv::Mat with_random_phases(const LinePicture& p, std::uint64_t seed, const Work& work) {
   const cv::Size shown = p.value.size();
   const cv::Size size(cv::getOptimalDFTSize(shown.width), cv::getOptimalDFTSize(shown.height));
   cv::Mat noise(size, CV_32F), picture = cv::Mat::zeros(size, CV_32F);
@@ -150,6 +153,13 @@ cv::Mat without_lines(const LinePicture& p, std::uint64_t seed, const Work& work
   }
   cv::Mat field;
   cv::idft(phases, field, cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
+  return field;
+}
+
+// The picture with random phases. Each kind keeps its values.
+cv::Mat without_lines(const LinePicture& p, std::uint64_t seed, const Work& work) {
+  const cv::Size shown = p.value.size();
+  const cv::Mat field = with_random_phases(p, seed, work);
   std::map<int, std::vector<cv::Point>> places;
   for (int y = 0; y < shown.height; ++y)
     for (int x = 0; x < shown.width; ++x)

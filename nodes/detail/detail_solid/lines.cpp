@@ -45,11 +45,13 @@ class LineFinder {
     take_out(scratches);
     const std::vector<Line> lines = find_lines(with_kinds(true), kSheets, seed + 1, work.part(0.5, 1));
     p_.sheets.assign(static_cast<std::size_t>(labels_.count()), 1);
-    for (int phase = 0; phase < count_of(p_.pixels); ++phase) {
+    const bool veins = scratches.empty() && p_.zone.empty();
+    for (int phase = veins ? 0 : 1; phase < count_of(p_.pixels); ++phase) {
+      const bool dark = mostly_dark(lines, phase);
       std::vector<Line> own;
       for (const Line& line : lines)
-        if (line.kind == phase && line.dark == mostly_dark(lines, phase)) own.push_back(line);
-      if (count_of(own) < kFewestSheets || (phase == 0 && !scratches.empty())) continue;
+        if (line.kind == phase && line.dark == dark) own.push_back(line);
+      if (count_of(own) < kFewestSheets) continue;
       detail.phases[phase].sheets = sheets_of(own, phase);
       if (phase > 0) measure_profiles(own, phase, detail.phases[phase].sheets);
       take_out(own);

@@ -193,7 +193,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 15)
+  return NodeType("DetailSolid", 16)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -243,10 +243,11 @@ NodeType detail_solid_node() {
                      .doc_("Measure the camera's noise, which is alike in all places, apart from the grain "
                            "of the material. Pictures of Section, View and Repaint show it; volumes and "
                            "rendered solids do not contain it. Surfaces keep theirs."))
-      .parameter(Parameter::boolean("lines", true)
+      .parameter(Parameter::boolean("lines", false)
                      .doc_("Find cracks, veins and scratches as lines. Cracks of particles and veins of the "
                            "binder become sheets through the solid. Scratches belong to the picture, as "
-                           "noise does. Surfaces have none."))
+                           "noise does. Surfaces have none. Off by default, because it takes long and hardly "
+                           "makes sections more like their photographs."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <vector>
 
@@ -73,7 +72,7 @@ std::vector<Stroke> scratch_strokes() {
 Detail lines_detail_of(const test::DrawnPicture& drawn, int threads = 1) {
   const auto run =
       test::run_node("DetailSolid", {{"image", Value::of(drawn.image)}, {"labels", Value::of(drawn.labels)}},
-                     {{"size", "16"}, {"groups", "1"}}, {}, threads);
+                     {{"size", "16"}, {"groups", "1"}, {"lines", "true"}}, {}, threads);
   return run.outputs.at("detail").as<Detail>();
 }
 
