@@ -178,13 +178,16 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   const Mat2 flip = Vec2(1, -1).asDiagonal();  // rows of pictures run downwards
   const Transport transport(flip * spread * flip);
   Random random(1, kSkinStream, particle);
+  // Half of the skins of other stones are seen in a mirror, left for right, so that fewer look alike; light
+  // mostly comes from above.
+  const Mat2 mirror = Vec2(random.uniform() < 0.5 ? -1 : 1, 1).asDiagonal();
   Worn best;
   best.center = particles.position[particle].cast<float>();
   double least = std::numeric_limits<double>::max();
   for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
     const bool is_own = own && own->skin == k;
-    const Mat2 map = transport.to(skin.spread.cast<double>());
+    const Mat2 map = transport.to(mirror * skin.spread.cast<double>() * mirror);
     double larger = std::log(size / skin.size);
     if (larger > 0) larger *= kEnlarged;
     const double stretched = is_own ? 0 : stretching(map) / kStretchSpread;
@@ -200,7 +203,7 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
     if (is_own)
       best.to_skin = own->to_skin;
     else
-      best.to_skin << (map * flip).cast<float>(), Eigen::Vector2f::Zero();
+      best.to_skin << (mirror * map * flip).cast<float>(), Eigen::Vector2f::Zero();
   }
   return best;
 }

@@ -156,6 +156,31 @@ TEST(SkinsOfParticles, AllSkinsCoverAboutAsMuch) {
   for (const int n : worn) EXPECT_NEAR(n, 20, 8);
 }
 
+TEST(SkinsOfParticles, HalfOfThemAreMirroredAndNoneIsUpsideDown) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  p.resize(100);
+  for (int i = 1; i < 100; ++i) {
+    p.position[i] = p.position[0];
+    p.orientation[i] = p.orientation[0];
+    p.scale[i] = 1;
+    p.size[i] = 6;
+    p.color[i] = Vec3f::Constant(0.5F);
+  }
+  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  int mirrored = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3f usual = Vec3f::Constant(0.5F);
+    const Vec3f shade = Detail::skin_shade(skins.at(Vec3f(51, 52, 50), i, usual), usual);
+    EXPECT_NEAR(std::abs(shade.x()), 0.1, 0.005);
+    EXPECT_NEAR(shade.y(), -0.2, 0.005);
+    mirrored += shade.x() < 0;
+  }
+  EXPECT_NEAR(mirrored, 50, 15);
+}
+
 TEST(SkinsOfParticles, EnlargedOnesLackGrainAndBadOnesAreNotWorn) {
   Detail detail;
   detail.pixel_size = 0.1;
