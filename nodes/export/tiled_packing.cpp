@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/export/cut_mesh.h"
@@ -85,12 +87,22 @@ Tiling tiling_of(const Particles& particles, const Shapes& shapes, std::size_t i
 
 // Before anything is cut.
 void check_sizes(const Particles& particles, const Shapes& shapes, Crossing crossing, std::uint64_t memory) {
-  constexpr double kMostBoxes = 16, kPerTriangle = 80;  // bytes of a part and its copy
+  constexpr double kMostBoxes = 16, kFarthest = 1e6, kPerTriangle = 80;  // bytes of a part and its copy
   std::vector<double> radius;
-  for (const Shape& s : shapes.shapes) radius.push_back(mesh_bounding_radius(s.mesh));
+  for (const Shape& s : shapes.shapes) {
+    if (!std::all_of(s.mesh.vertices.begin(), s.mesh.vertices.end(),
+                     [](const Vec3& v) { return v.allFinite(); }))
+      throw Error("bad-number", "the shape '" + s.name + "' has a vertex that is not finite");
+    radius.push_back(mesh_bounding_radius(s.mesh));
+  }
   double triangles = 0;
   for (std::size_t i = 0; i < particles.count(); ++i) {
     if (particles.is_void(i)) continue;
+    if (!(particles.position[i].cwiseQuotient(particles.box).cwiseAbs().maxCoeff() < kFarthest))
+      throw Error("bad-number",
+                  fmt::format("particle {} is more than {:g} boxes away from the box", i, kFarthest),
+                  "move it into the periodic box, or set crossing to once")
+          .parameter("crossing");
     const double reach = radius[particles.shape[i]] * std::abs(particles.scale[i]);
     if (2 * reach > kMostBoxes * particles.box.minCoeff())
       throw Error(

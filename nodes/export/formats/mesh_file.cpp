@@ -67,11 +67,9 @@ void write_ply(std::ostream& out, const Bodies& bodies, const Totals& totals, co
       totals.vertices,
       totals.colored ? "property uchar red\nproperty uchar green\nproperty uchar blue\n" : "",
       totals.triangles);
-  BufferWriter faces;
-  std::int32_t first = 0;
   for (std::size_t b = 0; b < bodies.count; ++b) {
     work.check();
-    work.done(b, bodies.count);
+    work.done(b, 2 * bodies.count);
     const Shape& shape = bodies.get(b);
     BufferWriter points;
     for (std::size_t i = 0; i < shape.mesh.vertices.size(); ++i) {
@@ -80,13 +78,20 @@ void write_ply(std::ostream& out, const Bodies& bodies, const Totals& totals, co
         for (const int c : bytes_of(shape.color[i])) points.pod(static_cast<std::uint8_t>(c));
     }
     out.write(points.buffer.data(), points.buffer.size());
-    for (const Triangle& t : shape.mesh.triangles) {
+  }
+  std::int32_t first = 0;
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    work.check();
+    work.done(bodies.count + b, 2 * bodies.count);
+    const Mesh& mesh = bodies.get(b).mesh;
+    BufferWriter faces;
+    for (const Triangle& t : mesh.triangles) {
       faces.pod<std::uint8_t>(3);
       for (const std::int32_t v : t) faces.pod(first + v);
     }
-    first += static_cast<std::int32_t>(shape.mesh.vertices.size());
+    out.write(faces.buffer.data(), faces.buffer.size());
+    first += static_cast<std::int32_t>(mesh.vertices.size());
   }
-  out.write(faces.buffer.data(), faces.buffer.size());
 }
 
 void write_stl(std::ostream& out, const Bodies& bodies, const Totals& totals, const Work& work) {

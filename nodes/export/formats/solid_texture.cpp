@@ -74,7 +74,8 @@ TexelKind kind_of(const VoxelSource& grid, bool picture) {
 [[noreturn]] void fail_range(const std::string& grid, float value, const std::string& range) {
   throw Error("bad-values",
               fmt::format("the grid '{}' contains {:.4g}, but the texture holds {}", grid, value, range),
-              "choose another grid with grids, or .ktx2 or .dds");
+              "choose another grid with grids, or .ktx2 or .dds")
+      .parameter("grids");
 }
 
 std::uint8_t byte_of(float v) { return static_cast<std::uint8_t>(std::lround(255 * v)); }
@@ -110,6 +111,8 @@ void encode(TexelKind kind, const VoxelSource& grid, const VoxelSource* alpha, i
       put_half(a, alpha ? alpha->name() : "", to + 8 * i + 6);
     }
     if (kind == TexelKind::Color) {
+      for (int k = 0; k < 3; ++k)
+        if (!std::isfinite(v[k])) fail_range(grid.name(), v[k], "finite colors");
       const Vec3f c = linear_to_srgb(Vec3f(v[0], v[1], v[2]).cwiseMax(0.0f).cwiseMin(1.0f));
       for (int k = 0; k < 3; ++k) to[4 * i + k] = byte_of(c[k]);
       to[4 * i + 3] = alpha ? unit_byte(a, alpha->name()) : 255;

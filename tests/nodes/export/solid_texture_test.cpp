@@ -203,7 +203,27 @@ TEST(SolidTexture, RefusesWhatDoesNotFit) {
   Volume wide = k.volume;
   wide.resolution = Vec3i(2048, 1, 200);  // 15 columns
   EXPECT_EQ(code("a.png", "Cd", wide), "too-large");
+  const auto nan = openvdb::Vec3SGrid::create(openvdb::Vec3s(std::nanf("")));
+  nan->setName("Cd");
+  nan->setTransform(voxel_transform(0.5));
+  Volume broken;
+  broken.resolution = kSize;
+  broken.grids.push_back(nan);
+  for (const char* path : {"a.png", "a.dds", "a.ktx2"})
+    EXPECT_EQ(code(path, "Cd", broken), "bad-values") << path;
   EXPECT_TRUE(fs::is_empty(out));
+}
+
+TEST(SolidTexture, OneVoxelIsATexture) {
+  const fs::path out = test::temporary_folder();
+  Volume one = known().volume;
+  one.resolution = Vec3i(1, 1, 1);
+  for (const auto& [path, head] :
+       {std::pair("a.dds", 148), std::pair("a.png", 0), std::pair("a.ktx2", 104)}) {
+    const auto run = test::run_node("Export", {{"volume", Value::of(one)}}, {{"path", path}}, out);
+    EXPECT_GE(fs::file_size(out / path), static_cast<std::uintmax_t>(head + 4)) << path;
+  }
+  EXPECT_EQ(fs::file_size(out / "a.dds"), 148u + 4);
 }
 
 float linear_of(int byte) { return srgb_to_linear(Vec3f::Constant(static_cast<float>(byte) / 255)).x(); }

@@ -272,6 +272,15 @@ TEST(TiledPacking, RefusesWhatCannotBeWritten) {
   Particles huge = p;
   huge.scale[1] = 1e9;
   EXPECT_EQ(code(huge, rings_and_cubes(), "a.stl", "repeated"), "box-too-small");
+  for (const double far : {1e20, -1e300}) {
+    Particles away = p;
+    away.position[2].y() = far;
+    for (const char* crossing : {"repeated", "cut"})
+      EXPECT_EQ(code(away, rings_and_cubes(), "a.stl", crossing), "bad-number") << far << crossing;
+  }
+  Shapes torn = rings_and_cubes();
+  for (Shape& s : torn.shapes) s.mesh.vertices[0].x() = std::nan("");
+  EXPECT_EQ(code(p, torn, "a.stl", "cut"), "bad-number");
   EXPECT_EQ(test::code_of([&] { tiled_packing(p, rings_and_cubes(), Crossing::Cut, true, 1000); }),
             "too-large");
   EXPECT_EQ(test::code_of([&] {
