@@ -219,7 +219,7 @@ def import_solid(path, edge):
     second = nodes.math("MODULO", nodes.math("ADD", first, 1.0), count)
     colors = [nodes.slice(image, count, x, y, k) for k in (first, second)]
     color = nodes.add("ShaderNodeMixRGB", (share, *colors)).outputs[0]
-    surface = material.node_tree.nodes["Principled BSDF"]
+    surface = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")  # names are translated
     material.node_tree.links.new(color, surface.inputs["Base Color"])
     return material
 

@@ -2,6 +2,12 @@
 //
 // `p` is a point of the solid in periods: 1 along each axis is one edge of the block. Results are linear if the
 // texture is declared as sRGB, which Cd is.
+#ifdef GL_ES
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp sampler3D;  // has no default
+#endif
 
 // The texel `at`, from 0 to size − 1, of a .png of slices: slice z is in column z mod columns and row z / columns
 // from the upper left corner. The first row of the picture must be the first of the texture (in three.js, flipY

@@ -23,12 +23,12 @@ const uniforms = {
 
 // One value for each pixel of a picture of columns × rows, as floats.
 function values(expression) {
-  const material = new THREE.ShaderMaterial({
+  const material = new THREE.RawShaderMaterial({  // declares nothing, so the library must compile alone
     glslVersion: THREE.GLSL3,
     uniforms,
-    vertexShader: 'out vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0, 1); }',
-    fragmentShader: `uniform sampler2D slices; uniform sampler3D solid; uniform ivec3 size; uniform vec3 origin, right, up;
-      in vec2 at; out vec4 color; ${library}
+    vertexShader: 'in vec3 position; in vec2 uv; out vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0, 1); }',
+    fragmentShader: `${library}
+      uniform sampler2D slices; uniform sampler3D solid; uniform ivec3 size; uniform vec3 origin, right, up; in vec2 at; out vec4 color;
       void main() { vec3 p = origin + at.x * right + at.y * up; color = ${expression}; }`,
   });
   const scene = new THREE.Scene().add(new THREE.Mesh(new THREE.PlaneGeometry(2, 2), material));
