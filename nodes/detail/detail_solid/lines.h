@@ -57,8 +57,8 @@ std::vector<Line> find_lines(const LinePicture&, const LineOptions&, std::uint64
 // pixels out of the phases.
 // - Scratches are lines of the binder that are straight over at least 24 pixels.
 // - All other lines are sheets of their phase, of whichever sign makes more of them. A binder with scratches
-//   has none, because short pieces of scratches look like them. Neither has a binder with zones, because the
-//   borders of zones do, and veins of one zone would run through the other.
+//   has none, because short pieces of scratches look like them. Neither has a binder with zones, because
+//   veins of one zone would run through the other.
 // Within 8 pixels of an outline, only lines that cross it count; others are rims. Each profile gets its own
 // density. `noise`: what was taken out of the photograph's lightness before, sRGB-encoded; empty: nothing.
 // Where it was taken out, it left patterns of its own.

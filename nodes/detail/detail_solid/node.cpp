@@ -246,8 +246,8 @@ NodeType detail_solid_node() {
       .parameter(Parameter::boolean("lines", false)
                      .doc_("Find cracks, veins and scratches as lines. Cracks of particles and veins of the "
                            "binder become sheets through the solid. Scratches belong to the picture, as "
-                           "noise does. Surfaces have none. Off by default, because it takes long and hardly "
-                           "makes sections more like their photographs."))
+                           "noise does. Surfaces have none. Off by default, because it seldom makes "
+                           "sections more like their photographs."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }
