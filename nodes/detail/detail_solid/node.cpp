@@ -205,7 +205,7 @@ NodeType detail_solid_node() {
       .input("labels", "Labels", "Profiles of image")
       .optional_input("mask", {"Labels"},
                       "Not 0: pixels that are neither particle nor binder and teach nothing, such as output "
-                      "unobserved of Segment")
+                      "unobserved of Segment. 1: not even the material")
       .optional_input(
           "profiles", {"Profiles"},
           "Profiles of the labels, whose binder color the binder's offsets refer to. If they show a surface, "

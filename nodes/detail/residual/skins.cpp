@@ -23,6 +23,7 @@ constexpr std::uint64_t kSkinStream = 0x736b696e;
 constexpr double kColorSpread = 0.03, kSizeSpread = 0.5, kStretchSpread = 0.2;
 constexpr double kEnlarged = 4;    // how much worse it is to enlarge a skin than to reduce it
 constexpr double kStrange = 1;     // how much worse the skin of another stone is, whose outline differs
+constexpr double kHidden = 0.1;    // share of a stone that others hide which counts like those
 constexpr double kChance = 0.5;    // of the choice: no skin is worn by all stones of one kind
 constexpr double kWorn = 1;        // how much worse a skin is that covers as much as one on average
 constexpr double kSmallest = 0.6;  // particle that wears a skin, in the smallest skin
@@ -80,6 +81,13 @@ float in_direction(std::span<const float> outline, float angle) {
   const float at = direction_of(angle, n);
   const int k = round_down(at);
   return std::lerp(outline[k % n], outline[(k + 1) % n], at - static_cast<float>(k));
+}
+
+// The share of a stone's silhouette that others hide, at least: what is seen of it spreads like an ellipse of
+// that area or a smaller one.
+double hidden_share(const Detail::Skin& skin, double pixel_size) {
+  const double seen = 16 * std::sqrt(std::max(0.0F, skin.spread.determinant())) * square(pixel_size);
+  return std::max(0.0, 1 - seen / square(skin.size));
 }
 
 // Between pixel centers by Catmull and Rom's cubic, which keeps grain sharp. `index`: of the pixel in a
@@ -193,8 +201,8 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
     const double stretched = is_own ? 0 : stretching(map) / kStretchSpread;
     const double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
                         larger * larger / (kSizeSpread * kSizeSpread) + stretched * stretched +
-                        (is_own ? 0 : kStrange) + kWorn * covers_[k] / usual_cover_ +
-                        kChance * random.uniform();
+                        square(hidden_share(skin, pixel_size_) / kHidden) + (is_own ? 0 : kStrange) +
+                        kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
     if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
     best.skin = k;
