@@ -93,7 +93,8 @@ std::vector<float> find_tones(const Image& image, const Labels* mask, const Prof
   if (profiles.view != View::Surface) return {};
   std::vector<float> all;
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    if (mask == nullptr || mask->ids[i] != kIgnored) all.push_back(luminance_of(image.pixels[i].cwiseMax(0.0F)));
+    if (mask == nullptr || mask->ids[i] != kIgnored)
+      all.push_back(luminance_of(image.pixels[i].cwiseMax(0.0F)));
   if (all.empty()) return {};
   std::sort(all.begin(), all.end());
   std::vector<float> tones;
