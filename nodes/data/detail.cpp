@@ -104,6 +104,10 @@ Detail::Skin decode_skin(Reader& r) {
   r.bytes(skin.spread.data(), sizeof(float) * 4);
   skin.shade = r.raw_array<Vec3f>();
   skin.outline = r.array<float>();
+  const auto distance = [](float v) { return v >= 0 && std::isfinite(v); };
+  if (!skin.center.allFinite() || !skin.color.allFinite() || !skin.corner.allFinite() ||
+      !std::all_of(skin.outline.begin(), skin.outline.end(), distance))
+    throw Error("damaged", "the stored detail has a skin that is not finite");
   if (!(skin.size > 0) || skin.width < 1 || skin.height < 1 ||
       skin.shade.size() != pixels_in(skin.width, skin.height) || !(skin.spread.determinant() > 0))
     throw Error("damaged", "the stored detail has a skin of the wrong size");
@@ -202,7 +206,7 @@ Detail decode_detail(Reader& r) {
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
       throw Error("damaged", "the stored detail has a tile of the wrong size");
   }
-  v.skins.resize(r.count(72));
+  v.skins.resize(r.count(84));
   for (Detail::Skin& skin : v.skins) skin = decode_skin(r);
   v.ground.width = r.pod<int>();
   v.ground.height = r.pod<int>();

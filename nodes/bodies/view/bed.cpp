@@ -18,10 +18,11 @@ constexpr double kMostStones = 4e6;
 // How far below the cut loose stones settle, in diameters of the largest one: deeper ones are hidden.
 constexpr float kLooseDepth = 1.5f;
 
-void require_few(const Particles& particles, const Vec2& picture, double margin) {
+// `copies`: of each along z.
+void require_few(const Particles& particles, const Vec2& picture, double margin, int copies) {
   const double across = (picture.x() + 2 * margin) / particles.box.x() + 1;
   const double down = (picture.y() + 2 * margin) / particles.box.y() + 1;
-  const double stones = across * down * particles.count();
+  const double stones = across * down * copies * particles.count();
   if (!(stones <= kMostStones))
     throw Error("too-many-particles",
                 fmt::format("up to {:.3g} stones would lie in a picture of {:g} × {:g} mm; the limit is {:g}",
@@ -72,16 +73,16 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
       top_(static_cast<float>(meshes.largest(particles))) {
-  require_few(particles, picture, margin);
+  require_few(particles, picture, margin, rest.covered ? 2 : 1);
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
-    if (!particles.is_void(i)) add_copies(particles, i, picture, margin, instances);
+    if (!particles.is_void(i)) add_copies(particles, i, picture, margin, rest.covered.has_value(), instances);
   let_settle(instances, picture, rest, work);
   scene_ = std::make_unique<carving::RayScene>(meshes.triangles, instances);
 }
 
 void Bed::add_copies(const Particles& particles, int particle, const Vec2& picture, double margin,
-                     std::vector<carving::RayScene::Instance>& instances) {
+                     bool in_soil, std::vector<carving::RayScene::Instance>& instances) {
   const Vec3& box = particles.box;
   const Vec3 at = particles.position[particle] - origin_;
   const Mat3 turn = particles.orientation[particle].normalized().toRotationMatrix();
@@ -92,29 +93,28 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   carving::RayScene::Instance instance;
   instance.mesh = particles.shape[particle];
   instance.linear = (turn * particles.scale[particle]).cast<float>();
-  const double below = at.z() - std::ceil(at.z() / box.z()) * box.z();  // its center is
-  for (int y = y0; y <= y1; ++y)
-    for (int x = x0; x <= x1; ++x)
-      for (const double z : {below + box.z(), below}) {
+  const float reach = reach_below(meshes_.triangles[instance.mesh], instance.linear);
+  std::vector<double> heights{at.z() - std::ceil(at.z() / box.z()) * box.z()};  // of centers
+  if (const double above = heights[0] + box.z(); in_soil || above <= reach) heights.push_back(above);
+  for (const double z : heights)
+    for (int y = y0; y <= y1; ++y)
+      for (int x = x0; x <= x1; ++x) {
         const Vec3 center(at.x() + x * box.x(), at.y() + y * box.y(), z);
         instance.offset = center.cast<float>();
         instances.push_back(instance);
         stones_.push_back({particle, instance.mesh, turn.cast<float>(),
-                           (particles.position[particle] - center).cast<float>()});
+                           (particles.position[particle] - center).cast<float>(),
+                           instance.offset.z() / reach});
       }
 }
 
-// Keeps the higher of the two copies of each stone that is not more exposed.
-void Bed::take_away(std::vector<carving::RayScene::Instance>& instances, float exposure) {
-  const auto stays = [&](std::size_t i) {
-    return exposure_of(meshes_.triangles[stones_[i].mesh], instances[i]) <= exposure;
-  };
+template <class Stays>
+void Bed::take_away(std::vector<carving::RayScene::Instance>& instances, Stays&& stays) {
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < stones_.size(); i += 2) {
-    if (!stays(i) && !stays(i + 1)) continue;
-    const std::size_t higher = stays(i) ? i : i + 1;
-    stones_[kept] = stones_[higher];
-    instances[kept++] = instances[higher];
+  for (std::size_t i = 0; i < stones_.size(); ++i) {
+    if (!stays(i)) continue;
+    stones_[kept] = stones_[i];
+    instances[kept++] = instances[i];
   }
   stones_.resize(kept);
   instances.resize(kept);
@@ -128,30 +128,26 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
   options.cell = rest.cell;
   options.deepest = static_cast<float>(-depth_);
   options.level = -kLooseDepth * top_;
-  float exposure = 1;  // touching the cut from above
   if (rest.covered) {
     options.soil = options.level = 0;
-    exposure = exposure_of_share(meshes_.triangles, instances, options, *rest.covered, work.part(0, 0.3));
+    std::vector<float> exposures;
+    for (const Stone& stone : stones_) exposures.push_back(stone.exposure);
+    const float most =
+        exposure_of_share(meshes_.triangles, instances, exposures, options, *rest.covered, work.part(0, 0.3));
+    take_away(instances, [&](std::size_t i) { return stones_[i].exposure <= most; });
   }
-  take_away(instances, exposure);
   const std::vector<carving::RayScene::Instance> before = instances;
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < stones_.size(); ++i) {
-    if (options.soil && hangs_above(instances[i], *options.soil)) continue;
-    stones_[kept] = stones_[i];
-    stones_[kept].to_packing += before[i].offset - instances[i].offset;
-    instances[kept++] = instances[i];
-  }
-  stones_.resize(kept);
-  instances.resize(kept);
+  for (std::size_t i = 0; i < stones_.size(); ++i)
+    stones_[i].to_packing += before[i].offset - instances[i].offset;
+  if (rest.covered) take_away(instances, [&](std::size_t i) { return !hangs_above(instances[i]); });
 }
 
 // Soil holds the stones that it touches. None rest on others as in a heap.
-bool Bed::hangs_above(const carving::RayScene::Instance& stone, float soil) const {
+bool Bed::hangs_above(const carving::RayScene::Instance& stone) const {
   const Vec3f down = stone.linear.row(2);
   const auto& points = meshes_.triangles[stone.mesh].positions;
-  const float touched = soil + 1e-3F * top_ - stone.offset.z();  // rounding lifts stones a little
+  const float touched = 1e-3F * top_ - stone.offset.z();  // rounding lifts stones a little
   return std::none_of(points.begin(), points.end(), [&](const Vec3f& p) { return down.dot(p) <= touched; });
 }
 

@@ -17,7 +17,7 @@ namespace terrazzo::view {
 
 // Where the packing is cut, and what the picture shows of it.
 struct BedPlace {
-  double height = 0;           // mm; stones that are wholly above it are taken away
+  double height = 0;           // mm; loose stones that are wholly above it are taken away
   Vec2 corner = Vec2::Zero();  // mm, the picture's lower left corner; x to the right, y upwards
 };
 
@@ -53,10 +53,10 @@ struct BedPoint {
 };
 
 // Positions are in mm from the picture's lower left corner; z is the height above the cut. Every particle
-// that is no void lies in the bed with one copy along z, the highest one that reaches the cut or less, and
-// with all copies along x and y whose centers are in the picture or in a margin around it. In soil, it is the
-// highest one up to an exposure at which stones cover their share. Then the stones near the cut settle, each
-// copy by itself.
+// that is no void lies in the bed with its copy within one period below the cut, with the one above if that
+// reaches the cut, and with all copies along x and y whose centers are in the picture or in a margin around
+// it. In soil, the one above stays up to the exposure at which stones cover their share. Then the stones near
+// the cut settle, each copy by itself.
 class Bed {
  public:
   // `picture`: width and height, mm; `margin`: mm. The meshes must outlive the bed. Throws Error
@@ -83,11 +83,14 @@ class Bed {
     std::uint32_t mesh = 0;
     Eigen::Matrix3f turn;
     Vec3f to_packing;  // mm, added to positions
+    float exposure;    // before it settles
   };
-  void add_copies(const Particles&, int particle, const Vec2& picture, double margin,
+  void add_copies(const Particles&, int particle, const Vec2& picture, double margin, bool in_soil,
                   std::vector<carving::RayScene::Instance>&);
-  void take_away(std::vector<carving::RayScene::Instance>&, float exposure);
-  bool hangs_above(const carving::RayScene::Instance&, float soil) const;
+  // Of copies for which the function is false, given their number.
+  template <class Stays>
+  void take_away(std::vector<carving::RayScene::Instance>&, Stays&&);
+  bool hangs_above(const carving::RayScene::Instance&) const;
   void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
                   const Work&);
 

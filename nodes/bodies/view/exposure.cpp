@@ -23,7 +23,7 @@ struct StoneSamples {
   explicit StoneSamples(const UnlitPixels& p) {
     constexpr std::size_t kMost = 200'000;
     constexpr std::size_t kFewest = 30;  // samples of a stone
-    const auto counts = [&](std::size_t i) { return p.stone[i] >= 0 && p.height[i] > p.ground; };
+    const auto counts = [&](std::size_t i) { return p.lit_stone(i); };
     std::size_t all = 0;
     std::int32_t last = -1;
     for (std::size_t i = 0; i < p.stone.size(); ++i) {
@@ -211,11 +211,12 @@ double spread_of(const std::vector<StoneSums>& stones, double share, double ligh
 
 // The share of a stone's difference in color that, with its light, differs as much as colors alone. Quartiles
 // tell, because nobody can outline the darkest stones in a photograph.
-double share_of_colors(const std::vector<StoneSums>& stones) {
+double share_of_colors(const std::vector<StoneSums>& stones, const Work& work) {
   constexpr int kHalvings = 10;
   const double wanted = spread_of(stones, 1, 0);
   double low = 0, high = 1;
   for (int k = 0; k < kHalvings; ++k) {
+    work.check();
     const double middle = (low + high) / 2;
     (spread_of(stones, middle, 1) > wanted ? high : low) = middle;
   }
@@ -224,22 +225,28 @@ double share_of_colors(const std::vector<StoneSums>& stones) {
 
 // The light that a photograph shows on its stones is part of the colors that were measured there, and falls
 // on them again in the bed. So colors keep only the part with which stones differ as in the photograph.
-void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light) {
-  std::vector<StoneSums> stones(1 + *std::max_element(p.stone.begin(), p.stone.end()));
+void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light, const Work& work) {
+  std::vector<StoneSums> stones;
   for (std::size_t i = 0; i < light.size(); ++i) {
-    if (p.stone[i] < 0 || p.height[i] <= p.ground) continue;
+    if (!p.lit_stone(i)) continue;
+    if (stones.size() <= static_cast<std::size_t>(p.stone[i])) stones.resize(p.stone[i] + 1);
     stones[p.stone[i]].add({1, std::log(kDarkest + luminance_of(p.color[i])), std::log(kDarkest + light[i])});
   }
-  StoneSums mean;
+  std::vector<StoneSums> shown;
+  double mean = 0, pixels = 0;  // of colors
   for (StoneSums& s : stones) {
-    mean.add(s);
+    const double color = s.color;
     s.divide();
+    if (!(s.pixels > 0) || !std::isfinite(s.color) || !std::isfinite(s.light)) continue;
+    shown.push_back(s);
+    mean += color;
+    pixels += s.pixels;
   }
-  mean.divide();
-  const double less = share_of_colors(stones) - 1;
+  if (shown.empty()) return;
+  mean /= pixels;
+  const double less = share_of_colors(shown, work) - 1;
   for (std::size_t i = 0; i < light.size(); ++i)
-    if (p.stone[i] >= 0 && stones[p.stone[i]].pixels > 0)
-      light[i] *= static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean.color)));
+    if (p.lit_stone(i)) light[i] *= static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean)));
 }
 
 }  // namespace
@@ -266,10 +273,10 @@ std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options,
     light_up();
   }
   for (float& v : light) v = shadowed(v, power);
-  if (options.brightness) take_out_photographed_light(p, light);
+  if (options.brightness) take_out_photographed_light(p, light, work);
   const float brightness = options.brightness ? brightness_for(p, light, samples, *options.brightness) : 1;
-  for (std::size_t i = 0; i < light.size(); ++i)  // soil has the color that was measured
-    if (p.stone[i] >= 0) light[i] *= brightness;
+  for (std::size_t i = 0; i < light.size(); ++i)  // soil and shadows are as measured
+    if (p.lit_stone(i)) light[i] *= brightness;
   return light;
 }
 

@@ -20,6 +20,9 @@ struct UnlitPixels {
   int width = 1;                  // pixels
   float albedo = 0;               // mean reflectance of the stones, below 1
   Vec3f between = Vec3f::Zero();  // color of the places between loose stones
+
+  // Whether a pixel shows a stone, not in the shadow between loose ones.
+  bool lit_stone(std::size_t pixel) const { return stone[pixel] >= 0 && height[pixel] > ground; }
 };
 
 // What each pixel's color is multiplied with. The sun gets the share of the light with which lightness grows

@@ -25,6 +25,9 @@ struct Cells {
   int x = 0, y = 0, width = 0, height = 0;
 
   bool empty() const { return width <= 0 || height <= 0; }
+  bool holds(int column, int row) const {
+    return column >= x && row >= y && column < x + width && row < y + height;
+  }
   Cells within(const CellGrid&) const;
 };
 

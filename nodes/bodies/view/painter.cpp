@@ -189,7 +189,8 @@ std::vector<float> Painter::heights_of_stones(const Work& work) const {
   return heights;
 }
 
-// A quantile of the heights above the soil's relief.
+// A quantile of the heights above the soil's relief. Soil stays at the cut, on which stones have settled, if
+// there are too few of them.
 float Painter::ground_level(std::vector<float> heights) const {
   const float deepest = -static_cast<float>(bed_.depth());
   if (!options_.area_fraction) return deepest;
@@ -198,7 +199,7 @@ float Painter::ground_level(std::vector<float> heights) const {
   if (covered >= heights.size()) return deepest;
   const auto highest = heights.begin() + covered;
   std::nth_element(heights.begin(), highest, heights.end(), std::greater<>());
-  return *highest;
+  return *highest <= deepest && !options_.loose ? 0 : *highest;
 }
 
 BedPoint Painter::color_pixel(int x, int row) {

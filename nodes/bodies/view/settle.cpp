@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -272,41 +271,43 @@ Place Settling::place_of_rest(const Footprint& f, float z, const Work& work) con
 
 }  // namespace
 
-float exposure_of(const carving::RayScene::Triangles& mesh, const carving::RayScene::Instance& stone) {
-  const Vec3f up = stone.linear.row(2);
+float reach_below(const carving::RayScene::Triangles& mesh, const Eigen::Matrix3f& linear) {
+  const Vec3f up = linear.row(2);
   float lowest = -std::numeric_limits<float>::min();
   for (const Vec3f& p : mesh.positions) lowest = std::min(lowest, up.dot(p));
-  return stone.offset.z() / -lowest;
+  return -lowest;
 }
 
-float exposure_of_share(const Meshes& meshes, const Stones& stones, const SettleOptions& options,
-                        double share, const Work& work) {
+float exposure_of_share(const Meshes& meshes, const Stones& stones, const std::vector<float>& exposures,
+                        SettleOptions options, double share, const Work& work) {
+  options.level = std::numeric_limits<float>::infinity();  // no ceilings are kept
   const std::vector<double> radii = radii_of(meshes, stones);
   const CellGrid grid = grid_for(stones, radii, options);
   std::vector<std::pair<float, std::size_t>> order;
   for (std::size_t i = 0; i < stones.size(); ++i)
     if (stones[i].offset.z() + radii[i] > 0 && !around(stones[i], radii[i], grid).empty())
-      order.emplace_back(exposure_of(meshes[stones[i].mesh], stones[i]), i);
+      order.emplace_back(exposures[i], i);
   std::sort(order.begin(), order.end());
-  constexpr float kNever = std::numeric_limits<float>::infinity();
-  CellMap map = CellMap::Constant(grid.width, grid.height, kNever);  // exposure that covers the cell
+  const Cells picture{grid.margin, grid.margin, grid.width - 2 * grid.margin, grid.height - 2 * grid.margin};
+  const auto wanted = std::llround(share * pixels_in(picture.width, picture.height));
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> covered =
+      Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>::Constant(grid.width, grid.height, false);
+  std::int64_t count = 0;  // of covered cells in the picture
   for (const auto& [exposure, i] : order) {
     work.check();
     const Cells near = around(stones[i], radii[i], grid);
-    if (map.block(near.x, near.y, near.width, near.height).maxCoeff() <= exposure) continue;
+    if (covered.block(near.x, near.y, near.width, near.height).all()) continue;
     const Footprint f = footprint_of(meshes[stones[i].mesh], stones[i], grid);
     const Cells c = f.cells.within(grid);
-    const auto high = f.high.block(c.x - f.cells.x, c.y - f.cells.y, c.width, c.height);
-    auto cells = map.block(c.x, c.y, c.width, c.height);
-    cells = (high + stones[i].offset.z() > 0).select(cells.min(exposure), cells);
+    for (int y = c.y; y < c.y + c.height; ++y)
+      for (int x = c.x; x < c.x + c.width; ++x) {
+        if (covered(x, y) || !(f.high(x - f.cells.x, y - f.cells.y) + stones[i].offset.z() > 0)) continue;
+        covered(x, y) = true;
+        count += picture.holds(x, y);
+      }
+    if (count > wanted) return exposure;
   }
-  CellMap seen =
-      map.block(grid.margin, grid.margin, grid.width - 2 * grid.margin, grid.height - 2 * grid.margin);
-  const auto covered = std::llround(share * seen.size());
-  const float highest = order.empty() ? 0 : order.back().first;
-  if (covered >= seen.size()) return highest;
-  std::nth_element(seen.data(), seen.data() + covered, seen.data() + seen.size());
-  return std::min(highest, seen.data()[covered]);
+  return order.empty() ? 0 : order.back().first;
 }
 
 void settle(const Meshes& meshes, Stones& stones, const SettleOptions& options, const Work& work) {

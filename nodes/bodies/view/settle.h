@@ -26,16 +26,16 @@ struct SettleOptions {
   std::optional<float> soil;    // mm, height of level soil; nothing: there is none
 };
 
-// How far a stone's center lies above the ground at z = 0, in units of the distance from its center down to
-// its lowest point: −1 or less is buried, at 1 it lies on the ground.
-float exposure_of(const carving::RayScene::Triangles&, const carving::RayScene::Instance&);
+// How far a stone reaches below its center, mm, above 0; `linear`: its rotation times its scale.
+float reach_below(const carving::RayScene::Triangles&, const Eigen::Matrix3f& linear);
 
-// The exposure up to which stones must stay so that those above the ground cover a share of the picture, 0 to
-// 1; the highest of any stone if all together cover less. Of the options, only picture, largest and cell
-// count.
+// The exposure of a stone is the height of its center above the ground at z = 0 over its reach: −1 or less is
+// buried, at 1 it lies on the ground. This is the exposure up to which stones must stay so that those above
+// the ground cover a share of the picture, 0 to 1; the highest of any stone if all together cover less.
+// `exposures`: of each instance. Of the options, only picture, largest and cell count.
 float exposure_of_share(const std::vector<carving::RayScene::Triangles>&,
-                        const std::vector<carving::RayScene::Instance>&, const SettleOptions&, double share,
-                        const Work& = {});
+                        const std::vector<carving::RayScene::Instance>&, const std::vector<float>& exposures,
+                        SettleOptions, double share, const Work& = {});
 
 // Changes the offsets of the instances, which are rotations times a scale. From the lowest center to the
 // highest, each stone falls straight down onto what has settled before, or into soil by kBuried, and rolls

@@ -29,7 +29,7 @@ class Shader {
 
   const Bed& bed_;
   float reach_, lift_;
-  float level_ = 0;  // what the places on the sun give level ground, on average
+  float level_ = 0;  // what the places on the sun give level ground if they are not turned
   Vec3f middle_;     // of the sun
 };
 

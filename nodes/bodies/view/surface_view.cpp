@@ -89,7 +89,7 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
   for (int k = 0; k < pictures; ++k) {
     work.check();
     const Work part = work.part(double(k) / pictures, double(k + 1) / pictures);
-    // Stones within reach around the picture hide as much of the sky at its border as within.
+    // Stones within reach around the picture hide about as much of the sky at its border as within.
     const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach, rest,
                   part.part(0, 0.2));
     const Shader shader(bed, options.light, reach, kLift * options.pixel_size);

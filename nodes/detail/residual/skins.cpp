@@ -7,6 +7,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <span>
+#include <utility>
 
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/texture/color.h"
@@ -26,6 +27,7 @@ constexpr double kStrange = 1;     // how much worse the skin of another stone i
 constexpr double kHidden = 0.1;    // share of a stone that others hide which counts like those
 constexpr double kChance = 0.5;    // of the choice: no skin is worn by all stones of one kind
 constexpr double kWorn = 1;        // how much worse a skin is that covers as much as one on average
+constexpr double kUpright = 0.94;  // cosine of 20°: the sides of stones that lean more were hardly seen
 constexpr double kSmallest = 0.6;  // particle that wears a skin, in the smallest skin
 
 double square(double v) { return v * v; }
@@ -75,12 +77,15 @@ float direction_of(float angle, int directions) {
   return (turn - std::floor(turn)) * static_cast<float>(directions);
 }
 
-// Linear between directions.
+// Linear between directions; 0 beside one where nothing is known.
 float in_direction(std::span<const float> outline, float angle) {
   const int n = count_of(outline);
   const float at = direction_of(angle, n);
   const int k = round_down(at);
-  return std::lerp(outline[k % n], outline[(k + 1) % n], at - static_cast<float>(k));
+  const float before = outline[k % n];
+  const float after = outline[(k + 1) % n];
+  if (!(before > 0) || !(after > 0)) return 0;
+  return std::lerp(before, after, at - static_cast<float>(k));
 }
 
 // The share of a stone's silhouette that others hide, at least: what is seen of it spreads like an ellipse of
@@ -141,6 +146,7 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   for (Detail::Skin& skin : skins_) {
     smooth(skin.shade, skin.width, skin.height, footprint / detail.pixel_size, cv::BORDER_REPLICATE);
     oklab_.push_back(linear_to_oklab(skin.color));
+    hidden_.push_back(square(hidden_share(skin, detail.pixel_size) / kHidden));
     smallest_ = std::min(smallest_, skin.size);
     of_profile_[skin.profile] = count_of(oklab_) - 1;
   }
@@ -153,17 +159,23 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
     worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
                       own_skin(shapes.shapes[shape], particles, p));
-    if (bare(static_cast<int>(p))) continue;
-    covers_[worn_[p].skin] += square(particles.size[p]);
-    worn_[p].outline = outline_on_skin(worn_[p], shapes.shapes[shape].mesh, turn);
+    if (!bare(static_cast<int>(p))) covers_[worn_[p].skin] += square(particles.size[p]);
   }
+  work.parallel(particles.count(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      if (bare(static_cast<int>(p))) continue;
+      const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
+      worn_[p].outline = outline_on_skin(worn_[p], shapes.shapes[particles.shape[p]].mesh, turn);
+    }
+  });
 }
 
 std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& particles,
                                            std::size_t particle) const {
   const auto found = of_profile_.find(shape.traced.profile);
   const double scale = particles.scale[particle];
-  if (found == of_profile_.end()) return {};
+  const Mat3 turned = particles.orientation[particle].normalized().toRotationMatrix();
+  if (found == of_profile_.end() || !(turned(2, 2) > kUpright)) return {};
   const Detail::Skin& skin = skins_[found->second];
   Worn worn;
   worn.skin = found->second;
@@ -171,7 +183,7 @@ std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& 
   worn.start = Vec2(start.x(), -start.y()).cast<float>();
   // A stone of another photograph is elsewhere.
   if ((worn.start - skin.center).squaredNorm() > skin.spread.trace()) return {};
-  const Mat3 to_mesh = particles.orientation[particle].normalized().toRotationMatrix().transpose();
+  const Mat3 to_mesh = turned.transpose();
   const Eigen::Matrix2d to_photograph =
       Eigen::DiagonalMatrix<double, 2>(1, -1) * Eigen::Rotation2Dd(shape.traced.turn).toRotationMatrix();
   worn.to_skin = (to_photograph * to_mesh.topRows<2>() / (scale * pixel_size_)).cast<float>();
@@ -195,14 +207,14 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
     const bool is_own = own && own->skin == k;
-    const Mat2 map = transport.to(mirror * skin.spread.cast<double>() * mirror);
     double larger = std::log(size / skin.size);
     if (larger > 0) larger *= kEnlarged;
-    const double stretched = is_own ? 0 : stretching(map) / kStretchSpread;
-    const double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
-                        larger * larger / (kSizeSpread * kSizeSpread) + stretched * stretched +
-                        square(hidden_share(skin, pixel_size_) / kHidden) + (is_own ? 0 : kStrange) +
-                        kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
+    double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
+                  larger * larger / (kSizeSpread * kSizeSpread) + hidden_[k] + (is_own ? 0 : kStrange) +
+                  kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
+    if (!(cost < least)) continue;
+    const Mat2 map = transport.to(mirror * skin.spread.cast<double>() * mirror);
+    if (!is_own) cost += square(stretching(map) / kStretchSpread);
     if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
     best.skin = k;
@@ -216,17 +228,37 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   return best;
 }
 
-// The farthest vertex in each direction; 0 where there is none.
+// The farthest edge of the mesh in each direction; 0 where there is none.
 Skins::Outline Skins::outline_on_skin(const Worn& worn, const Mesh& mesh, const Mat3& turn) const {
   Outline outline{};
+  const int directions = count_of(outline);
   const Eigen::Vector2f start = worn.start - skins_[worn.skin].center;
   const Eigen::Matrix<float, 2, 3> to_skin = worn.to_skin * turn.cast<float>();
+  std::vector<Eigen::Vector2f> at;
+  std::vector<float> direction;
   for (const Vec3& v : mesh.vertices) {
-    const Eigen::Vector2f at = to_skin * v.cast<float>() + start;
-    const int k = round_nearest(direction_of(std::atan2(at.y(), at.x()), count_of(outline)));
-    float& farthest = outline[k % count_of(outline)];
-    farthest = std::max(farthest, at.norm());
+    at.push_back(to_skin * v.cast<float>() + start);
+    direction.push_back(direction_of(std::atan2(at.back().y(), at.back().x()), directions));
   }
+  const auto add_edge = [&](int i, int j) {
+    float first = direction[i];
+    float last = direction[j];
+    if (first > last) std::swap(first, last);
+    if (last - first > directions / 2.0F)  // the shorter way passes the first direction
+      first = std::exchange(last, first + static_cast<float>(directions));
+    for (int k = round_up(first); k <= last; ++k) {
+      const float angle = 2 * std::numbers::pi_v<float> * k / directions;
+      const Eigen::Vector2f ray(std::cos(angle), std::sin(angle));
+      const Eigen::Vector2f edge = at[j] - at[i];
+      const float across = ray.x() * edge.y() - ray.y() * edge.x();
+      const float distance = (at[i].x() * edge.y() - at[i].y() * edge.x()) / across;
+      float& farthest = outline[k % directions];
+      if (std::isfinite(distance)) farthest = std::max(farthest, distance);
+    }
+  };
+  for (const Triangle& t : mesh.triangles)
+    for (int e = 0; e < 3; ++e)
+      if (t[e] < t[(e + 1) % 3]) add_edge(t[e], t[(e + 1) % 3]);  // neighbors share it
   return outline;
 }
 

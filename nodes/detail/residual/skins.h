@@ -14,12 +14,13 @@
 namespace terrazzo::residual {
 
 // Every particle wears the skin of a stone of about its color and size. If that is the stone from which its
-// shape was traced, the skin lies in its place. That of another stone is projected along z, the direction in
-// which the photograph looked: it is moved and stretched so that the ellipse of the stone's silhouette falls
-// on that of the particle's, with as little stretching as possible (the optimal transport between two
-// ellipses), mirrored or not. Then points move away from the middle or toward it, the more the nearer they
-// are to the outline, until the particle's outline falls on that of what is seen of the stone. Skins that
-// need little stretching, and above all no enlarging, are preferred, and those that few others wear.
+// shape was traced, and it lies about as in the photograph, the skin lies in its place. That of another stone
+// is projected along z, the direction in which the photograph looked: it is moved and stretched so that the
+// ellipse of the stone's silhouette falls on that of the particle's, with as little stretching as possible
+// (the optimal transport between two ellipses), mirrored or not. Then points move away from the middle or
+// toward it, the more the nearer they are to the outline, until the particle's outline falls on that of what
+// is seen of the stone. Skins that need little stretching, and above all no enlarging, are preferred, those
+// of stones that nothing hides, and those that few others wear.
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
@@ -60,6 +61,7 @@ class Skins {
   Detail::Ground ground_;
   std::vector<Detail::Skin> skins_;
   std::vector<Vec3f> oklab_;                // colors of skins
+  std::vector<double> hidden_;              // what it costs to wear each, because others hide a part
   std::map<std::int32_t, int> of_profile_;  // number of the skin
   float smallest_ = 0;                      // skin, mm
   std::vector<double> covers_;              // squares of the sizes of the particles that wear each skin

@@ -161,6 +161,7 @@ TEST(Exposure, ShadowsBetweenLooseStonesAreAsDarkAsInThePhotograph) {
   for (const float wanted : {0.06F, 0.1F, 0.16F}) {
     SurfaceOptions options;
     options.loose = true;
+    options.brightness = 0.4F;
     const auto light = exposure(balls.pixels(wanted), options, {});
     double sum = 0, n = 0;
     for (std::size_t i = 0; i < light.size(); ++i) {

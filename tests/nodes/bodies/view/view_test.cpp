@@ -143,6 +143,22 @@ TEST(View, FillsWithSoilUpToThePhotographsShare) {
   EXPECT_NEAR(sum / soil, p.binder_color.mean(), 0.25 * p.binder_color.mean());
 }
 
+// Soil lies at the cut, even if the stones cannot cover the photograph's share.
+TEST(View, TooFewStonesLieOnSoil) {
+  SurfaceOptions options = whole_box(four_spheres(), 9);
+  options.area_fraction = 0.6;
+  const SurfaceView seen = show_surface(four_spheres(), ball(), options, nullptr);
+  EXPECT_EQ(seen.stones, 4);
+  double discs = 0;
+  for (const double scale : four_spheres().scale) discs += std::numbers::pi * scale * scale / 100;
+  EXPECT_NEAR(seen.profiles.area_fraction, discs, 0.01);
+  // Half buried, they shade the soil beside them.
+  float darkest = 1, usual = seen.image.at(100, 100, 0).mean();
+  for (std::size_t i = 0; i < seen.labels.ids.size(); ++i)
+    if (seen.labels.ids[i] == 0) darkest = std::min(darkest, seen.image.pixels[i].mean());
+  EXPECT_LT(darkest, 0.9F * usual);
+}
+
 // Of each size, one layer is seen that is as deep as the stones are high.
 TEST(View, ShowsAsManyHeightsOfSmallStonesAsOfLargeOnes) {
   std::vector<Sphere> spheres;

@@ -116,6 +116,13 @@ TEST(Tones, AreQuantilesOfTheLuminance) {
   const std::vector<float> tones = find_tones(image, nullptr, surface_of(0.5));
   ASSERT_EQ(tones.size(), 101U);
   for (int k = 0; k <= 100; ++k) EXPECT_NEAR(tones[k], k / 100.0, 1e-3);
+  Labels mask;  // the dark half is undecided, and the light quarter of a card is ignored
+  mask.width = mask.height = 100;
+  mask.ids.assign(10000, 2);
+  std::fill(mask.ids.begin() + 5000, mask.ids.begin() + 7500, 0);
+  std::fill(mask.ids.begin() + 7500, mask.ids.end(), 1);
+  EXPECT_NEAR(find_tones(image, &mask, surface_of(0.5)).front(), 0, 1e-3);
+  EXPECT_NEAR(find_tones(image, &mask, surface_of(0.5)).back(), 0.75, 1e-3);
 }
 
 }  // namespace

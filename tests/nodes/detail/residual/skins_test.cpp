@@ -63,18 +63,22 @@ void expect_near(const Eigen::Vector2f& a, float x, float y, float tolerance = 0
   EXPECT_NEAR(a.y(), y, tolerance);
 }
 
-// A stone that is seen up to 25 of its 30 pixels to the right, so that the rim of the particle shows what is
+// A stone that is seen up to 25 of its 30 pixels downwards, so that the rim of the particle shows what is
 // there, and the middle stays.
 TEST(SkinsOfParticles, TheOutlineShowsTheLastThatIsSeen) {
   Detail detail;
   detail.pixel_size = 0.1;
   detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
-  for (int k = 0; k < 64; ++k) detail.skins[0].outline.push_back(k < 8 || k > 56 ? 25 : 30);
+  for (int k = 0; k < 64; ++k) detail.skins[0].outline.push_back(k > 8 && k < 24 ? 25 : 30);
   const Vec3 at(50, 50, 50);
   const Skins skins(detail, one_particle(at, Quat::Identity(), 1), ball_of_3mm(), 0.1);
-  expect_near(read(skins, at + Vec3(2.95, 0, 0)), 24.6F, 0);
-  expect_near(read(skins, at + Vec3(0.3, 0, 0)), 2.9F, 0);
-  expect_near(read(skins, at + Vec3(-2.95, 0, 0)), -29.5F, 0);
+  expect_near(read(skins, at + Vec3(0, -2.95, 0)), 0, 24.6F);
+  expect_near(read(skins, at + Vec3(0, -0.3, 0)), 0, 2.9F);
+  expect_near(read(skins, at + Vec3(0, 2.95, 0)), 0, -29.5F);
+  // Where nothing is known, nothing changes.
+  detail.skins[0].outline.assign(64, 0);
+  const Skins unknown(detail, one_particle(at, Quat::Identity(), 1), ball_of_3mm(), 0.1);
+  expect_near(read(unknown, at + Vec3(0, -2.95, 0)), 0, 29.5F);
 }
 
 TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
@@ -179,6 +183,20 @@ TEST(SkinsOfParticles, HalfOfThemAreMirroredAndNoneIsUpsideDown) {
     mirrored += shade.x() < 0;
   }
   EXPECT_NEAR(mirrored, 50, 15);
+}
+
+TEST(SkinsOfParticles, PreferStonesThatNothingHides) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  for (int k = 0; k < 2; ++k) {
+    detail.skins.push_back(chart(k + 1, Vec3f::Constant(0.5F)));
+    for (Vec3f& v : detail.skins[k].shade) v = Vec3f::Constant(0.1F * static_cast<float>(k));
+  }
+  detail.skins[0].spread *= 0.7F;
+  const Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f::Constant(50), 0, usual), usual).x(), 0.1, 1e-3);
 }
 
 TEST(SkinsOfParticles, EnlargedOnesLackGrainAndBadOnesAreNotWorn) {
