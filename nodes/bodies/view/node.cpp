@@ -201,7 +201,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 7);
+  NodeType type("View", 8);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")
