@@ -22,13 +22,14 @@ using Mat2 = Eigen::Matrix2d;
 constexpr std::uint64_t kSkinStream = 0x736b696e;
 // Differences in Oklab, in the logarithm of the size and in that of the stretching that count equally.
 constexpr double kColorSpread = 0.03, kSizeSpread = 0.5, kStretchSpread = 0.2;
-constexpr double kEnlarged = 4;    // how much worse it is to enlarge a skin than to reduce it
-constexpr double kStrange = 1;     // how much worse the skin of another stone is, whose outline differs
-constexpr double kHidden = 0.1;    // share of a stone that others hide which counts like those
-constexpr double kChance = 0.5;    // of the choice: no skin is worn by all stones of one kind
-constexpr double kWorn = 1;        // how much worse a skin is that covers as much as one on average
-constexpr double kUpright = 0.94;  // cosine of 20°: the sides of stones that lean more were hardly seen
-constexpr double kSmallest = 0.6;  // particle that wears a skin, in the smallest skin
+constexpr double kTurnSpread = 0.8;  // radians by which a skin is turned, which count like those
+constexpr double kEnlarged = 4;      // how much worse it is to enlarge a skin than to reduce it
+constexpr double kStrange = 1;       // how much worse the skin of another stone is, whose outline differs
+constexpr double kHidden = 0.1;      // share of a stone that others hide which counts like those
+constexpr double kChance = 0.5;      // of the choice: no skin is worn by all stones of one kind
+constexpr double kWorn = 1;          // how much worse a skin is that covers as much as one on average
+constexpr double kUpright = 0.94;    // cosine of 20°: the sides of stones that lean more were hardly seen
+constexpr double kSmallest = 0.6;    // particle that wears a skin, in the smallest skin
 
 double square(double v) { return v * v; }
 
@@ -59,8 +60,8 @@ Mat2 root_of(const Mat2& m) {
 
 // The symmetric matrices that map an ellipse to others (Olkin and Pukelsheim 1982).
 struct Transport {
-  Mat2 root, inverse;
-  explicit Transport(const Mat2& from) : root(root_of(from)), inverse(root.inverse()) {}
+  Mat2 from, root, inverse;
+  explicit Transport(const Mat2& ellipse) : from(ellipse), root(root_of(from)), inverse(root.inverse()) {}
   Mat2 to(const Mat2& other) const { return inverse * root_of(root * other * root) * inverse; }
 };
 
@@ -69,6 +70,31 @@ double stretching(const Mat2& symmetric) {
   const double mean = symmetric.trace() / 2;
   const double part = std::sqrt(std::max(0.0, mean * mean - symmetric.determinant()));
   return std::log((mean + part) / std::max(mean - part, 1e-6 * mean));
+}
+
+// The angle of an ellipse's long axis, radians.
+double long_axis(const Mat2& spread) { return std::atan2(2 * spread(0, 1), spread(0, 0) - spread(1, 1)) / 2; }
+
+// A map from the ellipse of a particle to that of a skin, and what it costs.
+struct Laying {
+  Mat2 to_skin = Mat2::Identity();
+  double cost = 0;
+};
+
+// Stretches the skin, or turns it first until long axes agree, whichever costs less: a turned one shows its
+// relief in the wrong light, a stretched one has streaks. `mirror`: what happens to the skin before.
+Laying lay(const Transport& transport, const Mat2& mirror, const Mat2& spread) {
+  const Mat2 mirrored = mirror * spread * mirror;
+  const auto turned_by = [&](double angle) {
+    const Mat2 turn = Eigen::Rotation2Dd(angle).toRotationMatrix();
+    const Mat2 map = transport.to(turn * mirrored * turn.transpose());
+    return Laying{mirror * turn.transpose() * map,
+                  square(stretching(map) / kStretchSpread) + square(angle / kTurnSpread)};
+  };
+  const Laying straight = turned_by(0);
+  const double apart = long_axis(transport.from) - long_axis(mirrored);
+  const Laying turned = turned_by(std::remainder(apart, std::numbers::pi));
+  return turned.cost < straight.cost ? turned : straight;
 }
 
 // Where an angle in radians lies among this many directions around a circle, from 0 up to their number.
@@ -213,8 +239,8 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
                   larger * larger / (kSizeSpread * kSizeSpread) + hidden_[k] + (is_own ? 0 : kStrange) +
                   kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
     if (!(cost < least)) continue;
-    const Mat2 map = transport.to(mirror * skin.spread.cast<double>() * mirror);
-    if (!is_own) cost += square(stretching(map) / kStretchSpread);
+    const Laying laying = is_own ? Laying{} : lay(transport, mirror, skin.spread.cast<double>());
+    cost += laying.cost;
     if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
     best.skin = k;
@@ -223,7 +249,7 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
     if (is_own)
       best.to_skin = own->to_skin;
     else
-      best.to_skin << (mirror * map * flip).cast<float>(), Eigen::Vector2f::Zero();
+      best.to_skin << (laying.to_skin * flip).cast<float>(), Eigen::Vector2f::Zero();
   }
   return best;
 }

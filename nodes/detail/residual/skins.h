@@ -17,10 +17,10 @@ namespace terrazzo::residual {
 // shape was traced, and it lies about as in the photograph, the skin lies in its place. That of another stone
 // is projected along z, the direction in which the photograph looked: it is moved and stretched so that the
 // ellipse of the stone's silhouette falls on that of the particle's, with as little stretching as possible
-// (the optimal transport between two ellipses), mirrored or not. Then points move away from the middle or
-// toward it, the more the nearer they are to the outline, until the particle's outline falls on that of what
-// is seen of the stone. Skins that need little stretching, and above all no enlarging, are preferred, those
-// of stones that nothing hides, and those that few others wear.
+// (the optimal transport between two ellipses), mirrored or not, and turned if it would be stretched far.
+// Then points move away from the middle or toward it, the more the nearer they are to the outline, until the
+// particle's outline falls on that of what is seen of the stone. Skins that need little stretching, and above
+// all no enlarging, are preferred, those of stones that nothing hides, and those that few others wear.
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are

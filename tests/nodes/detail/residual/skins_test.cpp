@@ -117,8 +117,24 @@ TEST(SkinsOfParticles, OthersStretchASkinOverTheirSilhouette) {
   expect_near(read(along, at + Vec3(0, 3, 0)), 0, -30, 1);
   const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
   const Skins turned(detail, one_particle(at, quarter, 0.5, 8.5), shapes, 0.1);
-  expect_near(read(turned, at + Vec3(0, 3, 0)), 0, -30, 1);  // never turned, only stretched
+  expect_near(read(turned, at + Vec3(0, 3, 0)), 0, -30, 1);  // a round one is never turned, only stretched
   expect_near(read(turned, at + Vec3(1.5, 0, 0)), 30, 0, 1);
+}
+
+// A stone that is four times as long as wide lies across the photograph, and the particle along y.
+TEST(SkinsOfParticles, LongOnesAreTurnedRatherThanStretchedFar) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
+  detail.skins[0].spread = Eigen::Vector2f(900, 56.25F).asDiagonal();  // half axes 60 and 15 pixels
+  Shapes shapes = ball_of_3mm();
+  for (Vec3& v : shapes.shapes[0].mesh.vertices) v = Vec3(v.x() / 2, v.y() * 2, v.z());
+  const Vec3 at(50, 50, 50);
+  const Skins skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1);
+  const Eigen::Vector2f end = read(skins, at + Vec3(0, 3, 0));
+  EXPECT_NEAR(std::abs(end.x()), 30, 1);  // half way to the end, and there it is half way too
+  EXPECT_NEAR(end.y(), 0, 1);
+  EXPECT_NEAR(std::abs(read(skins, at + Vec3(1.5, 0, 0)).y()), 15, 1);
 }
 
 TEST(SkinsOfParticles, ColorAndSizeChoose) {
