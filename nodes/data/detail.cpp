@@ -32,7 +32,6 @@ void encode_scratches(const Detail& v, Writer& w) {
     w.pod(s.angle);
     w.pod(s.length);
     w.pod(s.area);
-    w.pod<std::uint8_t>(s.particles);
     w.bytes(s.profile.data(), sizeof(s.profile));
   }
 }
@@ -134,12 +133,11 @@ Detail::Noise decode_noise(Reader& r) {
 }
 
 void decode_scratches(Reader& r, Detail& v) {
-  v.scratches.resize(r.count(57));
+  v.scratches.resize(r.count(56));
   for (Detail::Scratch& s : v.scratches) {
     s.angle = r.pod<float>();
     s.length = r.pod<float>();
     s.area = r.pod<float>();
-    s.particles = r.pod<std::uint8_t>() != 0;
     r.bytes(s.profile.data(), sizeof(s.profile));
     const bool real =
         std::all_of(s.profile.begin(), s.profile.end(), [](float o) { return std::isfinite(o); });

@@ -91,13 +91,13 @@ struct Detail {
     // (2·kReach + 1)² values each, row by row, whose squares sum to 1. Empty with an empty deviation.
     std::vector<float> gray_kernel, chroma_kernel;
   };
-  // A straight line that polishing left on the photographed plane. It belongs to the picture, as noise does.
+  // A straight line that polishing left on the binder of the photographed plane. It belongs to the picture,
+  // as noise does.
   struct Scratch {
     static constexpr int kReach = 5;
-    float angle = 0;         // from the right to upwards, 0 to π
-    float length = 0;        // pixels, with parts that something else hides
-    float area = 1;          // pixels of the photograph for one of these
-    bool particles = false;  // whether particles show it, else the binder
+    float angle = 0;   // from the right to upwards, 0 to π
+    float length = 0;  // pixels, with parts that something else hides
+    float area = 1;    // pixels of the binder for one of these
     // Offsets of sRGB-encoded lightness at −kReach … kReach pixels across, upwards or to the left.
     std::array<float, 2 * kReach + 1> profile{};
   };

@@ -12,6 +12,7 @@
 #include <unordered_map>
 
 #include "graph/diagnostic.h"
+#include "nodes/data/indices.h"
 
 namespace terrazzo::exporting {
 namespace {
@@ -57,7 +58,7 @@ void join_points(GLdouble at[3], void**, GLfloat*, void** out, void* data) {
   p[cap.u] = at[0];
   p[cap.v] = at[1];
   cap.mesh.vertices.push_back(p);
-  *out = &cap.add(static_cast<std::int32_t>(cap.mesh.vertices.size()) - 1);
+  *out = &cap.add(count_of(cap.mesh.vertices) - 1);
 }
 void keep_triangles(GLboolean, void*) {}  // with this callback, GLU makes triangles only, no fans or strips
 void fail_cap(GLenum, void* cap) { static_cast<Cap*>(cap)->failed = true; }
@@ -164,8 +165,7 @@ Mesh welded(const Mesh& mesh) {
     if (a == b || b == c || c == a) continue;
     Triangle corners;
     for (int k = 0; k < 3; ++k) {
-      const auto [place, added] =
-          places.emplace(mesh.vertices[t[k]], static_cast<std::int32_t>(out.vertices.size()));
+      const auto [place, added] = places.emplace(mesh.vertices[t[k]], count_of(out.vertices));
       if (added) out.vertices.push_back(mesh.vertices[t[k]]);
       corners[k] = place->second;
     }
@@ -210,7 +210,7 @@ class PlaneCut {
     Vec3 at = p + (q - p) * ((at_ - p[axis_]) / (q[axis_] - p[axis_]));
     at[axis_] = at_;
     out_.vertices.push_back(at);
-    return known->second = static_cast<std::int32_t>(out_.vertices.size()) - 1;
+    return known->second = count_of(out_.vertices) - 1;
   }
 
   void add(const Triangle& t) {
@@ -292,7 +292,7 @@ Mesh with_flat_caps(const Mesh& mesh, const Vec3& box) {
         if (!std::all_of(t.begin(), t.end(), [&](std::int32_t v) { return out.vertices[v][axis] == side; }))
           continue;
         for (std::int32_t& v : t) {
-          const auto [copy, added] = own.emplace(v, static_cast<std::int32_t>(out.vertices.size()));
+          const auto [copy, added] = own.emplace(v, count_of(out.vertices));
           if (added) out.vertices.push_back(Vec3(out.vertices[v]));
           v = copy->second;
         }

@@ -129,7 +129,7 @@ void append_part(TiledPacking& to, const Particles& from, const Shapes& shapes, 
   shape.smooth = whole.smooth;
   shape.mesh = std::move(mesh);
   shape.volume = mesh_volume(shape.mesh);
-  to.particles.shape.back() = static_cast<std::int32_t>(to.shapes.shapes.size());
+  to.particles.shape.back() = count_of(to.shapes.shapes);
   to.particles.position.back().setZero();
   to.particles.orientation.back().setIdentity();
   to.particles.scale.back() = 1;

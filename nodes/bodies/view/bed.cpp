@@ -103,8 +103,7 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
         instance.offset = center.cast<float>();
         instances.push_back(instance);
         stones_.push_back({particle, instance.mesh, turn.cast<float>(),
-                           (particles.position[particle] - center).cast<float>(),
-                           instance.offset.z() / reach});
+                           (particles.position[particle] - center).cast<float>(), reach});
       }
 }
 
@@ -131,24 +130,20 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
   if (rest.covered) {
     options.soil = options.level = 0;
     std::vector<float> exposures;
-    for (const Stone& stone : stones_) exposures.push_back(stone.exposure);
+    for (std::size_t i = 0; i < stones_.size(); ++i)
+      exposures.push_back(instances[i].offset.z() / stones_[i].reach);
     const float most =
         exposure_of_share(meshes_.triangles, instances, exposures, options, *rest.covered, work.part(0, 0.3));
-    take_away(instances, [&](std::size_t i) { return stones_[i].exposure <= most; });
+    take_away(instances, [&](std::size_t i) { return instances[i].offset.z() / stones_[i].reach <= most; });
   }
   const std::vector<carving::RayScene::Instance> before = instances;
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
   for (std::size_t i = 0; i < stones_.size(); ++i)
     stones_[i].to_packing += before[i].offset - instances[i].offset;
-  if (rest.covered) take_away(instances, [&](std::size_t i) { return !hangs_above(instances[i]); });
-}
-
-// Soil holds the stones that it touches. None rest on others as in a heap.
-bool Bed::hangs_above(const carving::RayScene::Instance& stone) const {
-  const Vec3f down = stone.linear.row(2);
-  const auto& points = meshes_.triangles[stone.mesh].positions;
-  const float touched = 1e-3F * top_ - stone.offset.z();  // rounding lifts stones a little
-  return std::none_of(points.begin(), points.end(), [&](const Vec3f& p) { return down.dot(p) <= touched; });
+  if (!rest.covered) return;
+  // Soil holds the stones that it touches. None rest on others as in a heap.
+  const float touching = 1e-3F * top_;  // rounding lifts stones a little
+  take_away(instances, [&](std::size_t i) { return instances[i].offset.z() - stones_[i].reach <= touching; });
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

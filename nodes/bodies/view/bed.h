@@ -83,14 +83,13 @@ class Bed {
     std::uint32_t mesh = 0;
     Eigen::Matrix3f turn;
     Vec3f to_packing;  // mm, added to positions
-    float exposure;    // before it settles
+    float reach;       // mm, from its center down to its lowest point
   };
   void add_copies(const Particles&, int particle, const Vec2& picture, double margin, bool in_soil,
                   std::vector<carving::RayScene::Instance>&);
   // Of copies for which the function is false, given their number.
   template <class Stays>
   void take_away(std::vector<carving::RayScene::Instance>&, Stays&&);
-  bool hangs_above(const carving::RayScene::Instance&) const;
   void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
                   const Work&);
 

@@ -81,7 +81,7 @@ void keep_stronger(Ridges& best, const cv::Mat& response, const cv::Mat& varianc
       const float value = response.at<float>(y, x) / std::sqrt(of);
       if (std::abs(value) > std::abs(best.strength.at<float>(y, x))) {
         best.strength.at<float>(y, x) = value;
-        best.angle.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(k);
+        best.angle.at<std::uint8_t>(y, x) = k;
       }
     }
 }
@@ -101,8 +101,7 @@ std::vector<Ridges> find_ridges(const std::vector<cv::Mat>& pictures, const Line
   work.quiet().parallel(kParts, 1, [&](std::size_t part, std::size_t) {
     for (std::size_t n = 0; n < pictures.size(); ++n)
       parts[part].push_back({cv::Mat::zeros(shown, CV_32F), cv::Mat::zeros(shown, CV_8U)});
-    for (int k = static_cast<int>(part) * o.angles / kParts;
-         k < static_cast<int>(part + 1) * o.angles / kParts; ++k) {
+    for (std::size_t k = part * o.angles / kParts; k < (part + 1) * o.angles / kParts; ++k) {
       work.check();
       const double angle = angle_of(k, o.angles);
       cv::Mat kernel = line_kernel(o, angle, size), squares = kernel.mul(kernel);
@@ -136,7 +135,7 @@ cv::Mat with_random_phases(const LinePicture& p, std::uint64_t seed, const Work&
   const cv::Size size(cv::getOptimalDFTSize(shown.width), cv::getOptimalDFTSize(shown.height));
   cv::Mat noise(size, CV_32F), picture = cv::Mat::zeros(size, CV_32F);
   for (int y = 0; y < size.height; ++y) {
-    Random random(seed, kPhaseStream, static_cast<std::uint64_t>(y));
+    Random random(seed, kPhaseStream, y);
     for (int x = 0; x < size.width; ++x) noise.at<float>(y, x) = static_cast<float>(random.normal());
   }
   p.value.copyTo(picture(cv::Rect(cv::Point(), shown)));

@@ -44,7 +44,7 @@ class LineFinder {
     measure_scratches(scratches, detail);
     take_out(scratches);
     const std::vector<Line> lines = find_lines(with_kinds(true), kSheets, seed + 1, work.part(0.5, 1));
-    p_.sheets.assign(static_cast<std::size_t>(labels_.count()), 1);
+    p_.sheets.assign(labels_.count(), 1);
     const bool veins = scratches.empty() && p_.zone.empty();
     for (int phase = veins ? 0 : 1; phase < count_of(p_.pixels); ++phase) {
       const bool dark = mostly_dark(lines, phase);
@@ -65,9 +65,7 @@ class LineFinder {
   // What particles show is multiplied by this.
   float unit(const cv::Point& q) const {
     const std::int32_t label = labels_.ids[index(q)];
-    return phase(q) > 0
-               ? Detail::particle_scale(linear_to_srgb(p_.profile_color[static_cast<std::size_t>(label) - 1]))
-               : 1;
+    return phase(q) > 0 ? Detail::particle_scale(linear_to_srgb(p_.profile_color[label - 1])) : 1;
   }
   float lightness(const cv::Point& q) const {
     return p_.offset[index(q)].mean() + (noise_.empty() ? 0 : noise_[index(q)] / unit(q));
@@ -99,7 +97,7 @@ class LineFinder {
         if (phase(q) == k) flat_.at<float>(q) = lightness(q) - value.at<float>(q) / share.at<float>(q);
       });
     }
-    std::vector<std::vector<float>> sizes(static_cast<std::size_t>(labels_.count()) + 1);
+    std::vector<std::vector<float>> sizes(labels_.count() + 1);
     each([&](const cv::Point& q) {
       if (phase(q) >= 0) sizes[labels_.ids[index(q)]].push_back(std::abs(flat_.at<float>(q)));
     });
@@ -127,7 +125,7 @@ class LineFinder {
     picture_.kind = cv::Mat::zeros(area_.size(), CV_8U);
     each([&](const cv::Point& q) {
       const int k = phase(q);
-      picture_.kind.at<std::uint8_t>(q) = static_cast<std::uint8_t>(phases ? std::max(0, k) : k > 0);
+      picture_.kind.at<std::uint8_t>(q) = phases ? std::max(0, k) : k > 0;
     });
     return picture_;
   }
@@ -171,9 +169,9 @@ class LineFinder {
   }
 
   void measure_scratches(const std::vector<Line>& lines, Detail& detail) const {
-    std::array<double, 2> searched{};  // pixels of binder and particles
+    double searched = 0;  // pixels of the binder
     each([&](const cv::Point& q) {
-      if (picture_.known.at<float>(q) > 0 && picture_.rim.at<cv::Vec3f>(q)[2] == 0) ++searched[phase(q) > 0];
+      searched += picture_.known.at<float>(q) > 0 && picture_.rim.at<cv::Vec3f>(q)[2] == 0 && phase(q) == 0;
     });
     std::vector<bool> done(lines.size(), false);
     for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -184,14 +182,13 @@ class LineFinder {
           done[j] = true;
           parts.push_back(&lines[j]);
         }
-      detail.scratches.push_back(scratch_of(parts, std::max(1.0, searched[lines[i].kind])));
+      detail.scratches.push_back(scratch_of(parts, std::max(1.0, searched)));
     }
   }
 
-  // `searched`: pixels of its kind.
+  // `searched`: pixels of the binder.
   Detail::Scratch scratch_of(const std::vector<const Line*>& parts, double searched) const {
     Detail::Scratch out;
-    out.particles = parts[0]->kind > 0;
     float seen = 0, first = 1e9f, last = -1e9f;
     Across sums;
     for (const Line* line : parts) {
@@ -206,7 +203,7 @@ class LineFinder {
       // To the left of the direction, which points upwards.
       const cv::Point2f across(-static_cast<float>(std::sin(angle)), -static_cast<float>(std::cos(angle)));
       for (float t = -line->length / 2; t <= line->length / 2; t += 0.5f)
-        add_across(sums, line->center + t * d, across, out.particles, true);
+        add_across(sums, line->center + t * d, across, false, true);
     }
     out.length = last - first;
     out.area = static_cast<float>(searched * out.length / seen);
@@ -255,12 +252,11 @@ class LineFinder {
   void measure_profiles(const std::vector<Line>& lines, int phase, const Detail::Sheets& all) {
     std::vector<double> length(p_.sheets.size(), 0), area(p_.sheets.size(), 0);
     each([&](const cv::Point& q) {
-      if (this->phase(q) == phase) ++area[static_cast<std::size_t>(labels_.ids[index(q)]) - 1];
+      if (this->phase(q) == phase) ++area[labels_.ids[index(q)] - 1];
     });
     for (const Line& line : lines)
       for (const cv::Point& q : line.pixels)
-        if (this->phase(q) == phase)
-          length[static_cast<std::size_t>(labels_.ids[index(q)]) - 1] += line.length / line.pixels.size();
+        if (this->phase(q) == phase) length[labels_.ids[index(q)] - 1] += line.length / line.pixels.size();
     for (std::size_t k = 0; k < area.size(); ++k)
       if (area[k] > 0)
         p_.sheets[k] = static_cast<float>((length[k] + all.length) / (all.density * area[k] + all.length));

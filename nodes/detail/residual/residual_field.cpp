@@ -385,7 +385,7 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
 
 Vec3f ResidualField::with_sheets(const Vec3f& offset, const Vec3f& mm, int particle) const {
   const std::size_t p = std::max(particle, 0);
-  const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
+  const Tile& tile = tiles_[particle < 0 ? 0 : group_[p]];
   if (tile.sheet_field.empty()) return offset;
   Vec3f at = mm.cwiseProduct(voxels_per_mm_);
   if (particle >= 0) {
@@ -411,7 +411,7 @@ Vec3f ResidualField::without_sheets(const Vec3f& mm, int particle, float depth, 
                                     float dark) const {
   const float bins = depth * rims_per_mm_;
   const std::size_t p = std::max(particle, 0);
-  const Tile& tile = tiles_[particle < 0 ? 0 : static_cast<std::size_t>(group_[p])];
+  const Tile& tile = tiles_[particle < 0 ? 0 : group_[p]];
   const float gain = tile.gain.empty() ? 1 : Detail::at_distance(tile.gain, bins);
   const Vec3f rim = Detail::rim_at(tile.rims, bins, size);
   if (particle < 0 && has_zones()) {

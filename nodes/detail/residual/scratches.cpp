@@ -22,8 +22,8 @@ float value_across(const Detail::Scratch& s, float across, float edge) {
   for (int k = 0; k < kSamples; ++k) {
     const float at = across + edge * ((k + 0.5f) / kSamples - 0.5f) + kScratchReach;
     if (at <= 0 || at >= 2 * kScratchReach) continue;
-    const int below = static_cast<int>(at);
-    const float t = at - static_cast<float>(below);
+    const int below = round_down(at);
+    const float t = at - below;
     sum += (1 - t) * s.profile[below] + t * s.profile[below + 1];
   }
   return sum / kSamples;
@@ -49,8 +49,7 @@ void draw_scratch(const Scratched& canvas, const Detail::Scratch& s, double x, d
       if (left <= 0 || std::abs(across) > kScratchReach + edge) continue;
       const std::size_t at = pixel_at(canvas.wrap ? wrap_index(u, canvas.width) : u,
                                       canvas.wrap ? wrap_index(v, canvas.height) : v, canvas.width);
-      const float inside = std::clamp(canvas.cover[at], 0.0f, 1.0f),
-                  share = s.particles ? inside : 1 - inside;
+      const float share = 1 - std::clamp(canvas.cover[at], 0.0f, 1.0f);
       const float value =
           share * std::min(1.0f, left / kScratchFade) * value_across(s, across, std::max(edge, 0.2f));
       Vec3f encoded = linear_to_srgb(canvas.pixels[at]);
@@ -70,8 +69,8 @@ void add_scratches(Vec3f* pixels, std::span<const float> cover, int width, int h
     const double margin = wrap ? 0 : s.length / edge;
     const double wide = width + 2 * margin, high = height + 2 * margin;
     const double expected = wide * high * edge * edge / s.area;
-    const auto count = static_cast<std::size_t>(std::min(expected, 1e5) + random.uniform());
-    for (std::size_t i = 0; i < count; ++i) {
+    const int count = round_down(std::min(expected, 1e5) + random.uniform());
+    for (int i = 0; i < count; ++i) {
       work.check();
       const double x = random.uniform() * wide - margin, y = random.uniform() * high - margin;
       draw_scratch({pixels, cover, width, height, wrap}, s, x, y, static_cast<float>(edge));

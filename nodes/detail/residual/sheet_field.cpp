@@ -35,17 +35,17 @@ SheetField::SheetField(const Vec3& period, const Detail::Sheets& sheets, float m
   const double area = 4 / kPi * sheets.density * most;  // per volume
   const double count = area / (kPi / 4 * diameter * diameter) * period.prod();
   Random random(seed, kDiskStream);
-  const auto n = static_cast<std::size_t>(std::min(count, kMostSheets) + random.uniform());
+  const int n = round_down(std::min(count, kMostSheets) + random.uniform());
   std::vector<std::pair<std::size_t, Sheet>> all;
   const double reach = diameter / 2 + 1 + kDiskFar * (width_ + bend_);
   for (int a = 0; a < 3; ++a) cells_[a] = std::max(1, round_down(period[a] / reach));
-  for (std::size_t i = 0; i < n; ++i) {
+  for (int i = 0; i < n; ++i) {
     Sheet s;
     Vec3i cell;
     for (int a = 0; a < 3; ++a) {
       const double at = random.uniform();
       s.center[a] = static_cast<float>(at) * period_[a];
-      cell[a] = std::min(static_cast<int>(at * cells_[a]), cells_[a] - 1);
+      cell[a] = std::min(round_down(at * cells_[a]), cells_[a] - 1);
       s.normal[a] = static_cast<float>(random.normal());
     }
     s.normal.normalize();

@@ -185,11 +185,11 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
     worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
                       own_skin(shapes.shapes[shape], particles, p));
-    if (!bare(static_cast<int>(p))) covers_[worn_[p].skin] += square(particles.size[p]);
+    if (!bare(p)) covers_[worn_[p].skin] += square(particles.size[p]);
   }
   work.parallel(particles.count(), 64, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      if (bare(static_cast<int>(p))) continue;
+      if (bare(p)) continue;
       const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
       worn_[p].outline = outline_on_skin(worn_[p], shapes.shapes[particles.shape[p]].mesh, turn);
     }

@@ -32,7 +32,7 @@ class Skins {
   bool has_ground() const { return !ground_.shade.empty(); }
   Vec3f ground(const Vec3f& mm, const Vec3f& color) const;
 
-  bool bare(int particle) const { return worn_[particle].skin < 0; }
+  bool bare(std::size_t particle) const { return worn_[particle].skin < 0; }
   // How much of the photograph's fine grain a skin lacks because it is enlarged, from 0 to 1.
   float lost_grain(int particle) const { return worn_[particle].lost_grain; }
   // The color at a point in mm of a particle that is not bare and otherwise has this color; scene-linear.

@@ -25,8 +25,7 @@ struct Bodies {
 
 std::array<int, 3> bytes_of(const Vec3f& linear) {
   const Vec3f c = linear_to_srgb(linear.cwiseMax(0.0f).cwiseMin(1.0f));
-  return {static_cast<int>(std::lround(255 * c.x())), static_cast<int>(std::lround(255 * c.y())),
-          static_cast<int>(std::lround(255 * c.z()))};
+  return {round_nearest(255 * c.x()), round_nearest(255 * c.y()), round_nearest(255 * c.z())};
 }
 
 void write_obj(std::ostream& out, const Bodies& bodies, const Work& work) {
@@ -90,7 +89,7 @@ void write_ply(std::ostream& out, const Bodies& bodies, const Totals& totals, co
       for (const std::int32_t v : t) faces.pod(first + v);
     }
     out.write(faces.buffer.data(), faces.buffer.size());
-    first += static_cast<std::int32_t>(mesh.vertices.size());
+    first += count_of(mesh.vertices);
   }
 }
 

@@ -53,7 +53,7 @@ class Shadow {
     carving::RayScene::Triangles triangles;
     for (const Vec3& v : mesh.vertices) triangles.positions.push_back(((v - center_) / size_).cast<float>());
     for (const Triangle& t : mesh.triangles)
-      for (const std::int32_t v : t) triangles.indices.push_back(static_cast<std::uint32_t>(v));
+      triangles.indices.insert(triangles.indices.end(), t.begin(), t.end());
     return carving::RayScene({triangles}, {carving::RayScene::Instance{}});
   }
 

@@ -105,7 +105,6 @@ TEST(DetailLines, ScratchesAreMeasuredAndDrawn) {
   const Detail::Scratch& clearest =
       *std::min_element(detail.scratches.begin(), detail.scratches.end(),
                         [](const auto& a, const auto& b) { return a.profile[kMiddle] < b.profile[kMiddle]; });
-  EXPECT_FALSE(clearest.particles);
   double nearest = 1;
   for (const double angle : {0.3, 1.2, 2.1})
     nearest = std::min(nearest,
@@ -152,7 +151,7 @@ TEST(DetailLines, AreTheSameForAnyNumberOfThreads) {
 TEST(DetailLines, AreStored) {
   Detail detail = lines_detail_of(drawn_lines(crack_strokes(), 0.9, 44, [](int id) { return id > 0; }));
   ASSERT_GT(detail.phases[1].sheets.density, 0);
-  detail.scratches = {{0.5f, 30, 1000, true, {1, 2, 3}}};
+  detail.scratches = {{0.5f, 30, 1000, {1, 2, 3}}};
   const std::vector<char> bytes = bytes_of_lines(detail);
   Reader reader(bytes.data(), bytes.size());
   const auto back = std::static_pointer_cast<const Detail>(value_type<Detail>().decode(reader));

@@ -51,6 +51,31 @@ Particles one_particle(const Vec3& at, const Quat& turn, double scale, double si
   return p;
 }
 
+// Round stones of one gray whose shades differ, by 0.1 from one to the next.
+Detail shades(int count) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  for (int k = 0; k < count; ++k) {
+    detail.skins.push_back(chart(k + 1, Vec3f::Constant(0.5F)));
+    for (Vec3f& v : detail.skins[k].shade) v = Vec3f::Constant(0.1F * static_cast<float>(k));
+  }
+  return detail;
+}
+
+// Equal particles of that gray in one place.
+Particles hundred_particles() {
+  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  p.resize(100);
+  for (int i = 0; i < 100; ++i) {
+    p.position[i] = p.position[0];
+    p.orientation[i] = p.orientation[0];
+    p.scale[i] = 1;
+    p.size[i] = 6;
+    p.color[i] = Vec3f::Constant(0.5F);
+  }
+  return p;
+}
+
 // Where the chart says a point is, in pixels from the center.
 Eigen::Vector2f read(const Skins& skins, const Vec3& mm) {
   const Vec3f usual = Vec3f::Constant(0.5F);
@@ -152,20 +177,8 @@ TEST(SkinsOfParticles, ColorAndSizeChoose) {
 }
 
 TEST(SkinsOfParticles, AllSkinsCoverAboutAsMuch) {
-  Detail detail;
-  detail.pixel_size = 0.1;
-  for (int k = 0; k < 5; ++k) {
-    detail.skins.push_back(chart(k + 1, Vec3f::Constant(0.5F)));
-    for (Vec3f& v : detail.skins[k].shade) v = Vec3f::Constant(0.1F * static_cast<float>(k));
-  }
-  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
-  p.resize(100);
-  for (int i = 0; i < 100; ++i) {
-    p.position[i] = Vec3(50, 50, 50);
-    p.orientation[i] = Quat::Identity();
-    p.size[i] = 6;
-    p.color[i] = Vec3f::Constant(0.5F);
-  }
+  const Detail detail = shades(5);
+  const Particles p = hundred_particles();
   const Skins skins(detail, p, ball_of_3mm(), 0.1);
   std::vector<int> worn(5, 0);
   for (int i = 0; i < 100; ++i) {
@@ -180,15 +193,7 @@ TEST(SkinsOfParticles, HalfOfThemAreMirroredAndNoneIsUpsideDown) {
   Detail detail;
   detail.pixel_size = 0.1;
   detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
-  Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
-  p.resize(100);
-  for (int i = 1; i < 100; ++i) {
-    p.position[i] = p.position[0];
-    p.orientation[i] = p.orientation[0];
-    p.scale[i] = 1;
-    p.size[i] = 6;
-    p.color[i] = Vec3f::Constant(0.5F);
-  }
+  const Particles p = hundred_particles();
   const Skins skins(detail, p, ball_of_3mm(), 0.1);
   int mirrored = 0;
   for (int i = 0; i < 100; ++i) {
@@ -202,12 +207,7 @@ TEST(SkinsOfParticles, HalfOfThemAreMirroredAndNoneIsUpsideDown) {
 }
 
 TEST(SkinsOfParticles, PreferStonesThatNothingHides) {
-  Detail detail;
-  detail.pixel_size = 0.1;
-  for (int k = 0; k < 2; ++k) {
-    detail.skins.push_back(chart(k + 1, Vec3f::Constant(0.5F)));
-    for (Vec3f& v : detail.skins[k].shade) v = Vec3f::Constant(0.1F * static_cast<float>(k));
-  }
+  Detail detail = shades(2);
   detail.skins[0].spread *= 0.7F;
   const Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
   const Vec3f usual = Vec3f::Constant(0.5F);
