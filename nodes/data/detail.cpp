@@ -10,38 +10,11 @@
 namespace terrazzo {
 namespace {
 
-void encode_sheets(const Detail::Sheets& s, Writer& w) {
-  for (const float value : {s.length, s.width, s.bend, s.density, s.spread}) w.pod(value);
-  w.bytes(s.offset.data(), sizeof(float) * 3);
-}
-
-Detail::Sheets decode_sheets(Reader& r) {
-  Detail::Sheets s;
-  for (float* value : {&s.length, &s.width, &s.bend, &s.density, &s.spread}) *value = r.pod<float>();
-  r.bytes(s.offset.data(), sizeof(float) * 3);
-  const bool real = s.offset.allFinite() && s.spread >= 0 && s.spread < 1e6f && s.bend >= 0 && s.bend < 1e6f;
-  const bool lines = s.density > 0 && s.density <= 1 && s.length >= 1 && s.length < 1e6f && s.width >= 0.1f &&
-                     s.width < 1e3f;
-  if (s.density != 0 && !(real && lines)) throw Error("damaged", "the stored detail has sheets of no size");
-  return s;
-}
-
-void encode_scratches(const Detail& v, Writer& w) {
-  w.pod<std::uint64_t>(v.scratches.size());
-  for (const Detail::Scratch& s : v.scratches) {
-    w.pod(s.angle);
-    w.pod(s.length);
-    w.pod(s.area);
-    w.bytes(s.profile.data(), sizeof(s.profile));
-  }
-}
-
 void encode(const Detail& v, Writer& w) {
   w.pod(v.pixel_size), w.pod(v.size), w.pod(v.softness), w.pod<std::uint8_t>(v.gray);
   w.raw_array(v.profile_color), w.array(v.profile_size), w.array(v.profile_group),
       w.raw_array(v.profile_contrast);
   w.raw_array(v.profile_broad);
-  w.array(v.profile_sheets);
   const Detail::Zones& z = v.zones;
   w.array(z.sigma);
   w.array(z.variance);
@@ -66,7 +39,6 @@ void encode(const Detail& v, Writer& w) {
     }
     w.array(p.gain);
     w.array(p.grain_gain);
-    encode_sheets(p.sheets, w);
     w.raw_array(p.tile);
     w.raw_array(p.broad);
   }
@@ -79,8 +51,9 @@ void encode(const Detail& v, Writer& w) {
     w.bytes(skin.center.data(), sizeof(float) * 2);
     w.bytes(skin.spread.data(), sizeof(float) * 4);
     w.raw_array(skin.shade);
-    w.array(skin.outline);
   }
+  w.bytes(v.relief.light.data(), sizeof(float) * 2);
+  w.pod(v.relief.strength);
   w.pod(v.ground.width), w.pod(v.ground.height);
   w.raw_array(v.ground.shade);
   w.array(v.tones);
@@ -88,7 +61,6 @@ void encode(const Detail& v, Writer& w) {
   w.array(v.noise.chroma);
   w.array(v.noise.gray_kernel);
   w.array(v.noise.chroma_kernel);
-  encode_scratches(v, w);
 }
 
 Detail::Skin decode_skin(Reader& r) {
@@ -102,10 +74,9 @@ Detail::Skin decode_skin(Reader& r) {
   r.bytes(skin.center.data(), sizeof(float) * 2);
   r.bytes(skin.spread.data(), sizeof(float) * 4);
   skin.shade = r.raw_array<Vec3f>();
-  skin.outline = r.array<float>();
-  const auto distance = [](float v) { return v >= 0 && std::isfinite(v); };
+  const auto finite_color = [](const Vec3f& v) { return v.allFinite(); };
   if (!skin.center.allFinite() || !skin.color.allFinite() || !skin.corner.allFinite() ||
-      !std::all_of(skin.outline.begin(), skin.outline.end(), distance))
+      !std::all_of(skin.shade.begin(), skin.shade.end(), finite_color))
     throw Error("damaged", "the stored detail has a skin that is not finite");
   if (!(skin.size > 0) || skin.width < 1 || skin.height < 1 ||
       skin.shade.size() != pixels_in(skin.width, skin.height) || !(skin.spread.determinant() > 0))
@@ -132,20 +103,6 @@ Detail::Noise decode_noise(Reader& r) {
   return noise;
 }
 
-void decode_scratches(Reader& r, Detail& v) {
-  v.scratches.resize(r.count(56));
-  for (Detail::Scratch& s : v.scratches) {
-    s.angle = r.pod<float>();
-    s.length = r.pod<float>();
-    s.area = r.pod<float>();
-    r.bytes(s.profile.data(), sizeof(s.profile));
-    const bool real =
-        std::all_of(s.profile.begin(), s.profile.end(), [](float o) { return std::isfinite(o); });
-    if (!real || !std::isfinite(s.angle) || !(s.length > 0 && s.length < 1e6f) || !(s.area >= 1))
-      throw Error("damaged", "the stored detail has a scratch that is no line");
-  }
-}
-
 Detail decode_detail(Reader& r) {
   Detail v;
   v.pixel_size = r.pod<double>();
@@ -157,7 +114,6 @@ Detail decode_detail(Reader& r) {
   v.profile_group = r.array<std::int32_t>();
   v.profile_contrast = r.raw_array<Eigen::Vector2f>();
   v.profile_broad = r.raw_array<Eigen::Vector2f>();
-  v.profile_sheets = r.array<float>();
   Detail::Zones& z = v.zones;
   z.sigma = r.array<float>();
   z.variance = r.array<float>();
@@ -174,10 +130,9 @@ Detail decode_detail(Reader& r) {
     throw Error("damaged", "the stored detail has zones without a field");
   const std::size_t profiles = v.profile_color.size();
   if (v.profile_contrast.size() != profiles || v.profile_broad.size() != profiles ||
-      v.profile_size.size() != profiles || v.profile_group.size() != profiles ||
-      (!v.profile_sheets.empty() && v.profile_sheets.size() != profiles) || !finite(v.profile_sheets))
+      v.profile_size.size() != profiles || v.profile_group.size() != profiles)
     throw Error("damaged", "the stored detail has lists of different length");
-  v.phases.resize(r.count(88));
+  v.phases.resize(r.count(56));
   for (const std::int32_t group : v.profile_group)
     if (group < 1 || static_cast<std::size_t>(group) >= v.phases.size())
       throw Error("damaged", "the stored detail has a profile of an unknown group");
@@ -198,7 +153,6 @@ Detail decode_detail(Reader& r) {
     }
     p.gain = r.array<float>();
     p.grain_gain = r.array<float>();
-    p.sheets = decode_sheets(r);
     p.tile = r.raw_array<Vec3f>();
     p.broad = r.raw_array<Vec3f>();
     if (v.size < 1 || p.tile.size() != n * n * n || (!p.broad.empty() && p.broad.size() != n * n * n))
@@ -206,6 +160,10 @@ Detail decode_detail(Reader& r) {
   }
   v.skins.resize(r.count(84));
   for (Detail::Skin& skin : v.skins) skin = decode_skin(r);
+  r.bytes(v.relief.light.data(), sizeof(float) * 2);
+  v.relief.strength = r.pod<float>();
+  if (!v.relief.light.allFinite() || !(v.relief.strength >= 0) || !std::isfinite(v.relief.strength))
+    throw Error("damaged", "the stored detail has a relief of skins that is not finite");
   v.ground.width = r.pod<int>();
   v.ground.height = r.pod<int>();
   v.ground.shade = r.raw_array<Vec3f>();
@@ -214,7 +172,6 @@ Detail decode_detail(Reader& r) {
     throw Error("damaged", "the stored detail has a ground of the wrong size");
   v.tones = r.array<float>();
   v.noise = decode_noise(r);
-  decode_scratches(r, v);
   return v;
 }
 
@@ -239,7 +196,6 @@ nlohmann::json describe(const Detail& v) {
       sum += (p.broad.empty() ? p.tile[i] : Vec3f(p.tile[i] + p.broad[i])).squaredNorm();
     phases.push_back({{"color", json_of(p.color)},
                       {"slope", p.slope},
-                      {"sheets", p.sheets.density},
                       {"tilt", {p.tilt.x(), p.tilt.y()}},
                       {"rims", rims(p.rims)},
                       {"gain", p.gain},
@@ -260,9 +216,9 @@ nlohmann::json describe(const Detail& v) {
                                          {"level_by_width", v.zones.level_by_width},
                                          {"contrast", {v.zones.dark_contrast, v.zones.light_contrast}}}},
           {"skins", v.skins.size()},
+          {"relief", v.relief.strength},
           {"ground", {v.ground.width, v.ground.height}},
           {"tones", v.tones},
-          {"scratches", v.scratches.size()},
           {"noise", {{"gray", v.noise.gray}, {"chroma", v.noise.chroma}}},
           {"phases", std::move(phases)}};
 }

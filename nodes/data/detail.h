@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -43,16 +42,6 @@ struct Detail {
   // What light adds there. `normal`: the outline's, to the right and upwards in the picture.
   static Vec3f light_at(const std::vector<Rim>&, float distance, float size, const Eigen::Vector2f& normal);
 
-  // Cracks and veins: flat disks with waves, of any direction, that cross a phase. A plane shows them as
-  // lines.
-  struct Sheets {
-    // Of the lines in the photograph, pixels: mean length, standard deviation of their profile across, and of
-    // their middle from a straight line.
-    float length = 0, width = 0, bend = 0;
-    float density = 0;             // length of lines per area of the phase, per pixel; 0: none
-    Vec3f offset = Vec3f::Zero();  // in the middle of a line, in place of the tile's
-    float spread = 0;              // standard deviation of its lightness along the line
-  };
   struct Phase {
     Vec3f color = Vec3f::Zero();  // mean of the phase, scene-linear
     // Standard deviation along each axis of the slope of lightness across a particle: the offset at a
@@ -66,7 +55,6 @@ struct Detail {
     // Factors of the tile and of what is broad at i + ½ pixels from the nearest outline, and in particles
     // others of the tile alone. The last one holds beyond; 1 if empty.
     std::vector<float> gain, grain_gain;
-    Sheets sheets;
     std::vector<Vec3f> tile;   // the grain: size³ offsets, x fastest; tiles
     std::vector<Vec3f> broad;  // what is larger than grain, added to it; empty: nothing
   };
@@ -91,19 +79,8 @@ struct Detail {
     // (2·kReach + 1)² values each, row by row, whose squares sum to 1. Empty with an empty deviation.
     std::vector<float> gray_kernel, chroma_kernel;
   };
-  // A straight line that polishing left on the binder of the photographed plane. It belongs to the picture,
-  // as noise does.
-  struct Scratch {
-    static constexpr int kReach = 5;
-    float angle = 0;   // from the right to upwards, 0 to π
-    float length = 0;  // pixels, with parts that something else hides
-    float area = 1;    // pixels of the binder for one of these
-    // Offsets of sRGB-encoded lightness at −kReach … kReach pixels across, upwards or to the left.
-    std::array<float, 2 * kReach + 1> profile{};
-  };
-  std::vector<Scratch> scratches;
   // The outside of a photographed stone, seen from above, without the light and shade of its form. Rows run
-  // downwards; beyond the stone's outline, it continues as its mirror image.
+  // downwards. Beyond the stone's outline, and where something hides or shadows it, its texture continues.
   struct Skin {
     std::int32_t profile = 0;  // number in Labels, from 1
     Vec2 corner =
@@ -114,9 +91,6 @@ struct Detail {
     Eigen::Vector2f center = Eigen::Vector2f::Zero();      // of the silhouette, pixels
     Eigen::Matrix2f spread = Eigen::Matrix2f::Identity();  // variance of its points, pixels²
     std::vector<Vec3f> shade;                              // skin_shade() of each pixel, row by row
-    // How far from the center the stone is seen, pixels, in directions that are even from x to y, rows
-    // running downwards; empty: unknown.
-    std::vector<float> outline;
   };
   // The logarithm of a color relative to another one, and the color that has it. Very dark colors count as
   // similar, because the camera's noise is all that tells them apart.
@@ -128,6 +102,12 @@ struct Detail {
     return ((usual.array().max(0) + kSkinDark) * shade.array().exp() - kSkinDark).max(0);
   }
   std::vector<Skin> skins;  // of a surface's stones; other views have none
+  // How much of the skins' shade is relief, which light from another side would show otherwise, not stains.
+  struct Relief {
+    Eigen::Vector2f light = Eigen::Vector2f::UnitY();  // unit, right and upwards: toward it when photographed
+    float strength = 0;  // power of relief relative to stains, of detail that runs across the light
+  };
+  Relief relief;
   // The soil between a surface's stones sewn together from the photograph's: skin_shade()
   // relative to the mean color of the soil, row by row from the top. Empty: none.
   struct Ground {
@@ -151,7 +131,6 @@ struct Detail {
   std::vector<std::int32_t> profile_group;        // index of its group in `phases`
   std::vector<Eigen::Vector2f> profile_contrast;  // of the grain
   std::vector<Eigen::Vector2f> profile_broad;     // of the broad part
-  std::vector<float> profile_sheets;              // relative to the density of its group's sheets; empty: 1
   bool gray = false;                              // the photograph has no color, and neither have the offsets
   double softness = 0;                            // standard deviation of the blur of outlines, pixels
 };

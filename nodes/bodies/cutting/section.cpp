@@ -9,7 +9,6 @@
 #include "nodes/data/indices.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"
-#include "nodes/detail/residual/scratches.h"
 
 namespace terrazzo::section {
 
@@ -108,8 +107,6 @@ void paint(Section& out, int section, std::size_t first, const std::vector<Regio
   if (flat && out.image.sections == 1) flat(out.image);
   soften(&out.image.pixels[section * pixels], canvas.cover.data(), grid, camera.softness / grid.mm_x);
   add_detail(&out.image.pixels[section * pixels], canvas, grid, plane, *detail, work);
-  residual::add_scratches(&out.image.pixels[section * pixels], canvas.cover, grid.width, grid.height,
-                          grid.mm_x, grid.wrap, camera, section, work);
   residual::add_noise(&out.image.pixels[section * pixels], grid.width, grid.height, grid.mm_x, grid.wrap,
                       camera, section, work);
 }

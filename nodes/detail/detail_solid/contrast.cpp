@@ -184,7 +184,6 @@ void split_contrasts(Phases& p, const Image& image, const Labels& labels, Detail
     detail.profile_contrast.push_back(of_grain[k]);
     detail.profile_broad.push_back(of_broad[k]);
     detail.profile_size.push_back(size[k + 1]);
-    if (!p.sheets.empty()) detail.profile_sheets.push_back(p.sheets[k]);
   }
   limit_chroma(detail, p.group_color.size(), detail.profile_contrast);
   limit_chroma(detail, p.group_color.size(), detail.profile_broad);

@@ -14,7 +14,6 @@
 #include "nodes/detail/detail_solid/contrast.h"
 #include "nodes/detail/detail_solid/ground.h"
 #include "nodes/detail/detail_solid/light.h"
-#include "nodes/detail/detail_solid/lines.h"
 #include "nodes/detail/detail_solid/noise.h"
 #include "nodes/detail/detail_solid/rim.h"
 #include "nodes/detail/detail_solid/skins.h"
@@ -74,7 +73,9 @@ Image picture_of(const std::vector<PartialPicture>& exemplars, const Detail& det
 // What only a photograph of a surface shows.
 void keep_surface(const Context& c, const Image& image, const Labels& labels, const Profiles& profiles,
                   Detail& detail) {
-  detail.skins = find_skins(image, labels, profiles, c.work().quiet());
+  Outsides outsides = find_skins(image, labels, profiles, c.seed(), c.work().quiet());
+  detail.skins = std::move(outsides.skins);
+  detail.relief = outsides.relief;
   const Labels* mask = c.optional<Labels>("mask");
   detail.ground = find_ground(image, labels, mask, profiles, c.seed(), c.work().quiet());
   detail.tones = find_tones(image, mask, profiles);
@@ -103,26 +104,6 @@ void take_out_noise(Context& c, const Image& photograph, const Labels& labels, c
   double sum = 0;
   for (const float d : detail.noise.gray) sum += d / detail.noise.gray.size();
   c.metric("noise", sum);
-}
-
-// Measures cracks, veins and scratches, and takes their pixels out of the phases. Not of surfaces.
-// `clean`: the photograph without noise.
-void take_out_lines(Context& c, Phases& phases, const Image& photograph, const Image& clean,
-                    const Labels& labels, Detail& detail) {
-  const Profiles* profiles = c.optional<Profiles>("profiles");
-  if (c.boolean("lines") && !(profiles && profiles->view == View::Surface)) {
-    std::vector<float> noise;
-    for (std::size_t i = 0; i < clean.pixels.size() && !detail.noise.gray.empty(); ++i)
-      noise.push_back(linear_to_srgb(photograph.pixels[i].cwiseMax(0.0f)).mean() -
-                      linear_to_srgb(clean.pixels[i].cwiseMax(0.0f)).mean());
-    split_lines(phases, labels, noise, detail, c.seed(), c.work().quiet());
-  }
-  double cracks = 0;
-  for (std::size_t k = 1; k < detail.phases.size(); ++k)
-    cracks = std::max(cracks, double{detail.phases[k].sheets.density});
-  c.metric("cracks", cracks);
-  c.metric("veins", detail.phases[0].sheets.density);
-  c.metric("scratches", detail.scratches.size());
 }
 
 void compute(Context& c) {
@@ -162,7 +143,6 @@ void compute(Context& c) {
   c.metric("zones", detail.zones.level.empty() ? 1 : 2);
   split_rims(phases, labels, detail);
   if (c.boolean("light")) split_light(phases, labels, detail);
-  take_out_lines(c, phases, photograph, image, labels, detail);
   const std::vector<double> slopes = split_slopes(phases, labels);
   for (std::size_t g = 0; g < slopes.size(); ++g) {
     detail.phases[g + 1].color = phases.group_color[g];
@@ -175,6 +155,7 @@ void compute(Context& c) {
   const std::vector<Vec3f> broad = split_broad(phases, labels, c.work().part(0.03, 0.04));
   if (profiles) keep_surface(c, image, labels, *profiles, detail);
   c.metric("skins", detail.skins.size());
+  c.metric("relief", detail.relief.strength);
   const bool apply = c.has("volume");
   std::vector<PartialPicture> exemplars;
   make_tiles(c, phases, broad, labels, detail, exemplars, c.work().part(0.04, apply ? 0.9 : 1));
@@ -193,7 +174,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 16)
+  return NodeType("DetailSolid", 17)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")
@@ -243,11 +224,6 @@ NodeType detail_solid_node() {
                      .doc_("Measure the camera's noise, which is alike in all places, apart from the grain "
                            "of the material. Pictures of Section, View and Repaint show it; volumes and "
                            "rendered solids do not contain it. Surfaces keep theirs."))
-      .parameter(Parameter::boolean("lines", false)
-                     .doc_("Find cracks, veins and scratches as lines. Cracks of particles and veins of the "
-                           "binder become sheets through the solid. Scratches belong to the picture, as "
-                           "noise does. Surfaces have none. Off by default, because it seldom makes "
-                           "sections more like their photographs."))
       .parameter(Parameter::seed())
       .compute_(compute);
 }

@@ -25,7 +25,6 @@ struct Phases {
   // Deviation of the camera's noise that was taken out, in the unit of each phase's offsets; empty: none.
   std::vector<float> noise;
   std::vector<std::int8_t> zone;  // of the binder's pixels, see zones.h; 0 elsewhere; empty without zones
-  std::vector<float> sheets;      // of each label, as Detail::profile_sheets; empty: none were searched
   double outliers = 0;            // fraction of the binder's pixels that are particles missed by the labels
 
   std::size_t plane() const { return pixels_in(width, height); }

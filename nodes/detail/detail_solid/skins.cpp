@@ -9,8 +9,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/luminance.h"
+#include "nodes/detail/detail_solid/fill.h"
 
 namespace terrazzo::detail_solid {
 namespace {
@@ -182,44 +184,76 @@ void remove_rims(std::vector<Stone>& stones) {
     });
 }
 
-// How far the stone is seen in each direction; 0 where its center is hidden in that direction.
-void measure_outline(Stone& stone) {
-  constexpr int kDirections = 64;
-  constexpr float kStep = 0.5F;  // pixels
-  Detail::Skin& skin = stone.skin;
-  const float farthest = std::hypot(static_cast<float>(skin.width), static_cast<float>(skin.height));
-  for (int k = 0; k < kDirections; ++k) {
-    const float angle = 2 * std::numbers::pi_v<float> * k / kDirections;
-    float last = 0;
-    for (float r = 0; r < farthest; r += kStep) {
-      const int x = round_down(skin.center.x() + r * std::cos(angle));
-      const int y = round_down(skin.center.y() + r * std::sin(angle));
-      if (x < 0 || y < 0 || x >= skin.width || y >= skin.height) break;
-      if (stone.seen[pixel_at(x, y, skin.width)]) last = r;
-    }
-    skin.outline.push_back(last);
+// Leaves out dark places at a stone's outline: shadows of its neighbors, or parts of these. All stones
+// together tell how dark is unusual.
+void leave_out_shadows(std::vector<Stone>& stones) {
+  constexpr float kUnusual = 2.5F;  // standard deviations
+  std::vector<float> differences;
+  for (const Stone& stone : stones)
+    each_seen(stone, [&](std::size_t i) { differences.push_back(std::abs(luminance_of(stone.skin.shade[i]))); });
+  if (differences.empty()) return;
+  constexpr float kOfNormal = 1.4826F;  // standard deviation of a normal distribution over this median
+  const float dark = -kUnusual * kOfNormal * median(std::move(differences));
+  for (Stone& stone : stones) {
+    const int width = stone.skin.width, height = stone.skin.height;
+    cv::Mat shadow = cv::Mat::zeros(height, width, CV_8U), parts;
+    for (std::size_t i = 0; i < stone.size(); ++i)
+      shadow.data[i] = !stone.seen[i] || luminance_of(stone.skin.shade[i]) < dark;
+    cv::connectedComponents(shadow, parts, 8, CV_32S);
+    // All that is not seen is one part, since it surrounds the stone.
+    each_seen(stone, [&](std::size_t i) {
+      if (parts.at<int>(static_cast<int>(i)) == parts.at<int>(0)) stone.seen[i] = 0;
+    });
   }
 }
 
-// Beyond the outline, and where another stone hides it, a stone continues as its own mirror image.
-void mirror_outwards(Stone& stone) {
-  Detail::Skin& skin = stone.skin;
-  cv::Mat hidden(skin.height, skin.width, CV_8U), distance, nearest;
-  for (std::size_t i = 0; i < stone.size(); ++i) hidden.data[i] = stone.seen[i] ? 0 : 255;
-  cv::distanceTransform(hidden, distance, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-  std::vector<std::size_t> source(stone.size() + 1, 0);
-  const auto* number = reinterpret_cast<const std::int32_t*>(nearest.data);
-  each_seen(stone, [&](std::size_t i) { source[number[i]] = i; });
-  const std::vector<Vec3f> shade = skin.shade;
-  for (std::size_t i = 0; i < stone.size(); ++i) {
-    if (stone.seen[i]) continue;
-    const std::size_t edge = source[number[i]];
-    const int x = 2 * static_cast<int>(edge % skin.width) - static_cast<int>(i % skin.width);
-    const int y = 2 * static_cast<int>(edge / skin.width) - static_cast<int>(i / skin.width);
-    const bool inside =
-        x >= 0 && y >= 0 && x < skin.width && y < skin.height && stone.seen[pixel_at(x, y, skin.width)];
-    skin.shade[i] = shade[inside ? pixel_at(x, y, skin.width) : edge];
+// Stones of which nothing is in the light are left out.
+void clean(std::vector<Stone>& stones) {
+  std::vector<Stone> trial = stones;
+  remove_form(trial);
+  remove_rims(trial);
+  leave_out_shadows(trial);
+  for (std::size_t k = 0; k < stones.size(); ++k) stones[k].seen = std::move(trial[k].seen);
+  std::erase_if(stones, [](const Stone& stone) { return !shows_itself(stone); });
+  remove_form(stones);
+  remove_rims(stones);
+}
+
+// Of slopes of the shade along the light, relief has three eighths of its power and those across it one
+// eighth, if waves run in all directions and those at an angle have the square of its cosine; stains have
+// half in each. So the ratio of both tells how strong relief is.
+Detail::Relief relief_of(const std::vector<Stone>& stones, const Vec2& light) {
+  constexpr double kMostRatio = 2.8;  // near 3, relief alone
+  constexpr float kCenter = 0.3F;     // ring from which shadows of neighbors no longer matter
+  Detail::Relief relief;
+  if (!(light.norm() > 0)) return relief;
+  relief.light = light.normalized().cast<float>();
+  double along = 0, across = 0;
+  for (const Stone& stone : stones) {
+    const Detail::Skin& skin = stone.skin;
+    const auto inside = [&](std::size_t i) { return stone.seen[i] && stone.ring[i] >= kCenter; };
+    for (int y = 1; y + 1 < skin.height; ++y)
+      for (int x = 1; x + 1 < skin.width; ++x) {
+        const std::size_t right = pixel_at(x + 1, y, skin.width), left = pixel_at(x - 1, y, skin.width);
+        const std::size_t upper = pixel_at(x, y - 1, skin.width), lower = pixel_at(x, y + 1, skin.width);
+        if (!inside(right) || !inside(left) || !inside(upper) || !inside(lower)) continue;
+        const Eigen::Vector2f slope(luminance_of(skin.shade[right]) - luminance_of(skin.shade[left]),
+                                    luminance_of(skin.shade[upper]) - luminance_of(skin.shade[lower]));
+        const float a = slope.dot(relief.light);
+        along += a * a;
+        across += slope.squaredNorm() - a * a;
+      }
   }
+  const double ratio = across > 0 ? std::clamp(along / across, 1.0, kMostRatio) : 1;
+  relief.strength = static_cast<float>(4 * (ratio - 1) / (3 - ratio));
+  return relief;
+}
+
+// Beyond the outline, and where something hides or shadows the stone, its texture continues.
+void continue_texture(Stone& stone, std::uint64_t seed, const Work& work) {
+  PartialPicture picture{stone.skin.width, stone.skin.height, std::move(stone.skin.shade), stone.seen};
+  fill_picture(picture, seed, work);
+  stone.skin.shade = std::move(picture.value);
 }
 
 std::vector<Box> boxes_of(const Labels& labels) {
@@ -249,8 +283,8 @@ std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& pro
 
 }  // namespace
 
-std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, const Profiles& profiles,
-                                     const Work& work) {
+Outsides find_skins(const Image& image, const Labels& labels, const Profiles& profiles, std::uint64_t seed,
+                    const Work& work) {
   if (profiles.view != View::Surface) return {};
   if (profiles.profiles.size() != labels.classes.size())
     throw Error(
@@ -266,19 +300,16 @@ std::vector<Detail::Skin> find_skins(const Image& image, const Labels& labels, c
   for (std::size_t n = 0; n < usable.size(); n += step) {
     work.check();
     const std::size_t k = usable[n];
-    Stone stone = cut_out(image, labels, profiles.profiles[k], static_cast<int>(k) + 1, boxes[k]);
-    if (shows_itself(stone)) stones.push_back(std::move(stone));
+    stones.push_back(cut_out(image, labels, profiles.profiles[k], static_cast<int>(k) + 1, boxes[k]));
   }
-  remove_form(stones);
-  remove_rims(stones);
-  std::vector<Detail::Skin> skins;
-  for (Stone& stone : stones) {
-    work.check();
-    measure_outline(stone);
-    mirror_outwards(stone);
-    skins.push_back(std::move(stone.skin));
-  }
-  return skins;
+  clean(stones);
+  Outsides out;
+  out.relief = relief_of(stones, profiles.light);
+  work.parallel(stones.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) continue_texture(stones[k], seed + k, work.quiet());
+  });
+  for (Stone& stone : stones) out.skins.push_back(std::move(stone.skin));
+  return out;
 }
 
 }  // namespace terrazzo::detail_solid

@@ -15,7 +15,6 @@
 #include "nodes/detail/residual/outline_depth.h"
 #include "nodes/detail/residual/picture_detail.h"
 #include "nodes/detail/residual/residual_field.h"
-#include "nodes/detail/residual/scratches.h"
 #include "runtime/random.h"
 
 namespace terrazzo::repaint {
@@ -160,8 +159,6 @@ Image repaint(const Image& photograph, const Labels& labels, const Detail* detai
         pixels,
         {width, height, pixel, pixel, false, place.at(0, height), turn * Vec3::UnitX(), turn * Vec3::UnitY()},
         {ids, plane}, owner, cover, field, part);
-    residual::add_scratches(pixels, cover, width, height, pixel, false, residual::camera_of(*detail, seed),
-                            static_cast<std::uint64_t>(s), part);
     residual::add_noise(pixels, width, height, pixel, false, residual::camera_of(*detail, seed),
                         static_cast<std::uint64_t>(s), part);
   }

@@ -84,7 +84,7 @@ float deviation_at(const std::vector<float>& deviations, float lightness) {
 }
 
 Camera camera_of(const Detail& detail, std::uint64_t seed) {
-  return {detail.softness * detail.pixel_size, &detail.noise, detail.pixel_size, seed, &detail};
+  return {detail.softness * detail.pixel_size, &detail.noise, detail.pixel_size, seed};
 }
 
 void add_noise(Vec3f* pixels, int width, int height, double pixel, bool wrap, const Camera& camera,

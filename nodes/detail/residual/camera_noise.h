@@ -16,8 +16,7 @@ struct Camera {
   double softness = 0;                   // standard deviation of the blur of outlines, mm
   const Detail::Noise* noise = nullptr;  // may be null
   double noise_pixel = 1;                // mm, of the photograph with this noise; larger pixels have less
-  std::uint64_t seed = 1;                // of the noise and scratches
-  const Detail* scratched = nullptr;     // may be null: the plane has no scratches
+  std::uint64_t seed = 1;                // of the noise
 };
 
 // The camera of the photograph that the detail is from.

@@ -20,15 +20,13 @@ namespace {
 
 constexpr std::uint64_t kParticleStream = 0x72657331, kBinderStream = 0x72657332, kLayerStream = 0x72657333,
                         kTurnStream = 0x72657334, kCellStream = 0x72657335, kSeedStream = 0x72657336,
-                        kSlopeStream = 0x72657337, kSheetStream = 0x72657338, kBeadStream = 0x72657339;
+                        kSlopeStream = 0x72657337;
 constexpr float kUnknown = 1e8f;  // mm: distances from outlines that nobody measured are larger
 constexpr float kCell = 0.7f;     // edge of the binder's cells, in tiles
 // Differences in Oklab and in the logarithm of the size that count equally.
 constexpr float kColorSpread = 0.03f, kSizeSpread = 0.5f;
 constexpr float kSteepest = 1;  // limit of what slopes add, in their standard deviations
-constexpr double kSheetPeriod = 256, kMostSheetPeriod = 512;  // voxels, of particles and of the binder
-constexpr float kBead = 2;                                    // voxels over which a line keeps its lightness
-constexpr float kBlend = 10;                                  // width in voxels over which cells blend
+constexpr float kBlend = 10;    // width in voxels over which cells blend
 
 // Gradient noise with `cells` lattice steps per period; about −1 to 1.
 float periodic_noise(const Vec3f& p, const Vec3i& cells) {
@@ -166,7 +164,6 @@ ResidualField::ResidualField(const Detail& detail, const Particles& particles, d
     edge_ = waves_.slope() * std::max(softness_, pixel);
   }
   place_particles(detail, particles);
-  place_sheets(detail, footprint);
   place_cells(detail.size, detail.pixel_size);
 }
 
@@ -192,7 +189,6 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
       if (unlike(k) < unlike(nearest)) nearest = k;
     const Eigen::Vector2f own = samples.empty() ? Eigen::Vector2f(1, 1) : detail.profile_contrast[nearest];
     contrast_.push_back(own);
-    sheets_.push_back(nearest < detail.profile_sheets.size() ? detail.profile_sheets[nearest] : 1);
     broad_contrast_.push_back(nearest < detail.profile_broad.size() ? detail.profile_broad[nearest] : own);
     // Without groups, particles have no detail of their own; they show the binder's.
     // Contrasts are relative to the group of their profile.
@@ -209,22 +205,6 @@ void ResidualField::place_particles(const Detail& detail, const Particles& parti
     places_.push_back(place);
     // Without groups, offsets are the binder's.
     scales_.push_back(colors.empty() ? 1.0f : Detail::particle_scale(linear_to_srgb(particles.color[p])));
-  }
-}
-
-// The binder's sheets have the period of the box. Each particle reads those of its group in its own place.
-void ResidualField::place_sheets(const Detail& detail, double footprint) {
-  const double most =
-      sheets_.empty() ? 1.0 : std::max(1.0, double{*std::max_element(sheets_.begin(), sheets_.end())});
-  for (std::size_t k = 0; k < tiles_.size(); ++k) {
-    tiles_[k].sheets = detail.phases[k].sheets;
-    Vec3 period = Vec3::Constant(kSheetPeriod);
-    if (k == 0) {
-      period = (box_ / static_cast<float>(detail.pixel_size)).cast<double>();
-      for (double& edge : period) edge /= std::ceil(edge / kMostSheetPeriod);
-    }
-    tiles_[k].sheet_field = SheetField(period, tiles_[k].sheets, k == 0 ? 1.0f : static_cast<float>(most),
-                                       footprint / detail.pixel_size, kSheetStream + k);
   }
 }
 
@@ -341,7 +321,7 @@ Vec3f ResidualField::plain(const Vec3f& mm, int particle) const {
 
 Vec3f ResidualField::at(const Vec3f& mm, int particle, float depth, float size, float dark) const {
   if (!phases_) return plain(mm, particle);
-  const Vec3f offset = with_sheets(without_sheets(mm, particle, depth, size, dark), mm, particle);
+  const Vec3f offset = by_phase(mm, particle, depth, size, dark);
   return gray_ ? Vec3f::Constant(offset.mean()) : offset;
 }
 
@@ -383,32 +363,7 @@ Vec3f ResidualField::light(const Vec3f& mm, int particle, float cover, float dep
   return gray_ ? Vec3f::Constant(sum.mean()) : sum;
 }
 
-Vec3f ResidualField::with_sheets(const Vec3f& offset, const Vec3f& mm, int particle) const {
-  const std::size_t p = std::max(particle, 0);
-  const Tile& tile = tiles_[particle < 0 ? 0 : group_[p]];
-  if (tile.sheet_field.empty()) return offset;
-  Vec3f at = mm.cwiseProduct(voxels_per_mm_);
-  if (particle >= 0) {
-    Random random(1, kSheetStream, p);
-    Vec3f shift;
-    for (float& s : shift) s = static_cast<float>(kSheetPeriod * random.uniform());
-    at = places_[p].turn * nearest_image(mm - places_[p].center).cwiseProduct(voxels_per_mm_) + shift;
-  } else {
-    for (int a = 0; a < 3; ++a)
-      at[a] -= box_[a] * voxels_per_mm_[a] * static_cast<float>(floor_of(mm[a] / box_[a]));
-  }
-  const float share = tile.sheet_field.at(at, particle < 0 ? 1 : sheets_[p]);
-  if (!(share > 0)) return offset;
-  std::uint64_t bead = 0;
-  for (int a = 0; a < 3; ++a)
-    bead = bead * 65537 + static_cast<std::uint64_t>(floor_of(at[a] / kBead) + 32768);
-  Vec3f own = tile.sheets.offset;
-  own.array() += tile.sheets.spread * static_cast<float>(Random(1, kBeadStream, bead).normal());
-  return (1 - share) * offset + share * (particle < 0 ? own : Vec3f(scales_[p] * own));
-}
-
-Vec3f ResidualField::without_sheets(const Vec3f& mm, int particle, float depth, float size,
-                                    float dark) const {
+Vec3f ResidualField::by_phase(const Vec3f& mm, int particle, float depth, float size, float dark) const {
   const float bins = depth * rims_per_mm_;
   const std::size_t p = std::max(particle, 0);
   const Tile& tile = tiles_[particle < 0 ? 0 : group_[p]];

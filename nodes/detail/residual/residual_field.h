@@ -6,7 +6,6 @@
 
 #include "nodes/data/detail.h"
 #include "nodes/data/linear.h"
-#include "nodes/detail/residual/sheet_field.h"
 #include "nodes/detail/residual/spline_tile.h"
 #include "nodes/detail/residual/wave_field.h"
 #include "runtime/work.h"
@@ -78,14 +77,10 @@ class ResidualField {
     std::vector<float> gain, grain_gain;
     float limit = 0;  // of what slopes add
     Eigen::Vector2f tilt = Eigen::Vector2f::Zero();
-    Detail::Sheets sheets;
-    SheetField sheet_field;
   };
   float size_of(int particle, float size) const;  // of the profile, if it is unknown
   Vec3f plain(const Vec3f& mm, int particle) const;
-  void place_sheets(const Detail&, double footprint);
-  Vec3f with_sheets(const Vec3f& offset, const Vec3f& mm, int particle) const;
-  Vec3f without_sheets(const Vec3f& mm, int particle, float depth, float size, float dark) const;
+  Vec3f by_phase(const Vec3f& mm, int particle, float depth, float size, float dark) const;
   Vec3f moved(std::uint64_t stream, std::uint64_t item) const;  // a random place in the tile, mm
   Vec3f binder(const Vec3f& mm) const;
   float dark_share(const Vec3f& mm, float level, float edge) const;  // of the binder's dark zone
@@ -103,7 +98,6 @@ class ResidualField {
   bool phases_ = false, gray_ = false;
   std::vector<int> group_;                                  // tile of each particle
   std::vector<Place> places_;                               // of each particle
-  std::vector<float> sheets_;                               // of each particle, as in Detail
   std::vector<float> shown_;                                // mean size of the profiles of each particle, mm
   std::vector<float> scales_;                               // of the offsets of each particle
   std::vector<Eigen::Vector2f> contrast_, broad_contrast_;  // of each particle, as in Detail

@@ -6,12 +6,12 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
-#include <span>
 #include <utility>
 
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/indices.h"
+#include "nodes/data/luminance.h"
 #include "runtime/random.h"
 
 namespace terrazzo::residual {
@@ -97,23 +97,6 @@ Laying lay(const Transport& transport, const Mat2& mirror, const Mat2& spread) {
   return turned.cost < straight.cost ? turned : straight;
 }
 
-// Where an angle in radians lies among this many directions around a circle, from 0 up to their number.
-float direction_of(float angle, int directions) {
-  const float turn = angle / (2 * std::numbers::pi_v<float>);
-  return (turn - std::floor(turn)) * static_cast<float>(directions);
-}
-
-// Linear between directions; 0 beside one where nothing is known.
-float in_direction(std::span<const float> outline, float angle) {
-  const int n = count_of(outline);
-  const float at = direction_of(angle, n);
-  const int k = round_down(at);
-  const float before = outline[k % n];
-  const float after = outline[(k + 1) % n];
-  if (!(before > 0) || !(after > 0)) return 0;
-  return std::lerp(before, after, at - static_cast<float>(k));
-}
-
 // The share of a stone's silhouette that others hide, at least: what is seen of it spreads like an ellipse of
 // that area or a smaller one.
 double hidden_share(const Detail::Skin& skin, double pixel_size) {
@@ -123,8 +106,8 @@ double hidden_share(const Detail::Skin& skin, double pixel_size) {
 
 // Between pixel centers by Catmull and Rom's cubic, which keeps grain sharp. `index`: of the pixel in a
 // column and a row that may lie outside.
-template <class Index>
-Vec3f sample(const std::vector<Vec3f>& values, float x, float y, Index&& index) {
+template <class Value, class Index>
+Value sample(const std::vector<Value>& values, float x, float y, Index&& index) {
   const auto weights = [](float t, float* w) {
     w[0] = t * (-0.5F + t * (1 - 0.5F * t));
     w[1] = 1 + t * t * (1.5F * t - 2.5F);
@@ -136,41 +119,45 @@ Vec3f sample(const std::vector<Vec3f>& values, float x, float y, Index&& index) 
   float across[4], down[4];
   weights(x - 0.5F - left, across);
   weights(y - 0.5F - top, down);
-  Vec3f sum = Vec3f::Zero();
+  Value sum = Value::Zero();
   for (int v = 0; v < 4; ++v)
     for (int u = 0; u < 4; ++u) sum += across[u] * down[v] * values[index(left + u - 1, top + v - 1)];
   return sum;
 }
 
-// For pixels that cover several of a picture. `border`: how it continues, of OpenCV's kinds.
-void smooth(std::vector<Vec3f>& shade, int width, int height, double pixels, int border) {
+// For pixels that cover several of the ground's, which repeats.
+void smooth(Detail::Ground& ground, double pixels) {
   if (pixels <= 1) return;
-  const double sigma = std::min(std::sqrt((pixels * pixels - 1) / 12), double(std::min(width, height)) / 4);
-  const int around = std::min(round_up(3 * sigma), std::min(width, height));
-  const cv::Mat values(height, width, CV_32FC3, shade.data());
+  const int side = std::min(ground.width, ground.height);
+  const double sigma = std::min(std::sqrt((pixels * pixels - 1) / 12), side / 4.0);
+  const int around = std::min(round_up(3 * sigma), side);
+  const cv::Mat values(ground.height, ground.width, CV_32FC3, ground.shade.data());
   cv::Mat wide;
-  cv::copyMakeBorder(values, wide, around, around, around, around, border);
+  cv::copyMakeBorder(values, wide, around, around, around, around, cv::BORDER_WRAP);
   cv::GaussianBlur(wide, wide, {0, 0}, sigma);
-  wide(cv::Rect(around, around, width, height)).copyTo(values);
+  wide(cv::Rect(around, around, ground.width, ground.height)).copyTo(values);
 }
+
+// A direction to the right and upwards as one to the right and downwards, as rows of pictures run.
+Eigen::Vector2f in_rows(const Eigen::Vector2f& v) { return {v.x(), -v.y()}; }
+Eigen::Vector2f quarter_turn(const Eigen::Vector2f& v) { return {-v.y(), v.x()}; }
 
 }  // namespace
 
 Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& shapes, double footprint,
-             const Work& work)
+             const std::optional<Vec2>& light, const Work& work)
     : box_(particles.box.cast<float>()),
       pixel_size_(detail.pixel_size),
       ground_(detail.ground),
       skins_(detail.skins) {
-  if (has_ground())
-    smooth(ground_.shade, ground_.width, ground_.height, footprint / detail.pixel_size, cv::BORDER_WRAP);
+  if (has_ground()) smooth(ground_, footprint / detail.pixel_size);
   worn_.resize(particles.count());
   if (skins_.empty()) return;
+  take_pictures(detail.relief, work);
   covers_.assign(skins_.size(), 0);
   for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
   smallest_ = std::numeric_limits<float>::max();
-  for (Detail::Skin& skin : skins_) {
-    smooth(skin.shade, skin.width, skin.height, footprint / detail.pixel_size, cv::BORDER_REPLICATE);
+  for (const Detail::Skin& skin : skins_) {
     oklab_.push_back(linear_to_oklab(skin.color));
     hidden_.push_back(square(hidden_share(skin, detail.pixel_size) / kHidden));
     smallest_ = std::min(smallest_, skin.size);
@@ -185,15 +172,94 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
     worn_[p] = choose(p, particles, spread_from_above(turn * covariance[shape] * turn.transpose()),
                       own_skin(shapes.shapes[shape], particles, p));
-    if (!bare(p)) covers_[worn_[p].skin] += square(particles.size[p]);
+    if (bare(p)) continue;
+    covers_[worn_[p].skin] += square(particles.size[p]);
+    fit_level(worn_[p], footprint);
+    light_up(worn_[p], detail.relief.light, light);
   }
-  work.parallel(particles.count(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      if (bare(p)) continue;
-      const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
-      worn_[p].outline = outline_on_skin(worn_[p], shapes.shapes[particles.shape[p]].mesh, turn);
+}
+
+void Skins::take_pictures(const Detail::Relief& relief, const Work& work) {
+  constexpr int kFewest = 4;  // pixels of the shorter side
+  pictures_.resize(skins_.size());
+  work.parallel(skins_.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      std::vector<Picture>& levels = pictures_[k];
+      levels.push_back(with_relief(skins_[k], relief));
+      while (std::min(levels.back().width, levels.back().height) >= 2 * kFewest)
+        levels.push_back(halved(levels.back()));
+      skins_[k].shade = {};
     }
   });
+}
+
+// Of detail that runs at an angle to the light, relief has a share of the power that grows with the square of
+// the angle's cosine, since only slopes along the light are lit, and stains have the same at any angle. Both
+// are estimated as Wiener does, each wave by itself.
+Skins::Picture Skins::with_relief(const Detail::Skin& skin, const Detail::Relief& relief) {
+  Picture out{skin.width, skin.height, {}};
+  for (const Vec3f& shade : skin.shade) {
+    out.texels.push_back(Texel::Zero());
+    out.texels.back().head<3>() = shade;
+  }
+  if (!(relief.strength > 0)) return out;
+  const cv::Size size(cv::getOptimalDFTSize(skin.width), cv::getOptimalDFTSize(skin.height));
+  cv::Mat shade(skin.height, skin.width, CV_32F), waves;
+  for (std::size_t i = 0; i < skin.shade.size(); ++i)
+    shade.at<float>(static_cast<int>(i)) = luminance_of(skin.shade[i]);
+  shade -= cv::mean(shade);
+  cv::copyMakeBorder(shade, shade, 0, size.height - skin.height, 0, size.width - skin.width,
+                     cv::BORDER_REPLICATE);
+  cv::dft(shade, waves, cv::DFT_COMPLEX_OUTPUT);
+  const Eigen::Vector2f along = in_rows(relief.light);
+  const Eigen::Vector2f across = in_rows(quarter_turn(relief.light));
+  cv::Mat turned = waves.clone();
+  for (int v = 0; v < size.height; ++v)
+    for (int u = 0; u < size.width; ++u) {
+      const Eigen::Vector2f wave(static_cast<float>(u > size.width / 2 ? u - size.width : u) / size.width,
+                                 static_cast<float>(v > size.height / 2 ? v - size.height : v) / size.height);
+      const float a = wave.dot(along), b = wave.dot(across);
+      const float all = relief.strength * a * a + wave.squaredNorm();
+      waves.at<cv::Vec2f>(v, u) *= all > 0 ? relief.strength * a * a / all : 0;
+      turned.at<cv::Vec2f>(v, u) *= all > 0 ? relief.strength * a * b / all : 0;
+    }
+  for (const auto& [channel, spectrum] : {std::pair(3, &waves), {4, &turned}}) {
+    cv::idft(*spectrum, shade, cv::DFT_SCALE | cv::DFT_REAL_OUTPUT);
+    for (int y = 0; y < skin.height; ++y)
+      for (int x = 0; x < skin.width; ++x)
+        out.texels[pixel_at(x, y, skin.width)][channel] = shade.at<float>(y, x);
+  }
+  return out;
+}
+
+// Means of four pixels.
+Skins::Picture Skins::halved(const Picture& p) {
+  Picture out{p.width / 2, p.height / 2, {}};
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const auto at = [&](int dx, int dy) { return p.texels[pixel_at(2 * x + dx, 2 * y + dy, p.width)]; };
+      out.texels.push_back((at(0, 0) + at(1, 0) + at(0, 1) + at(1, 1)) / 4);
+    }
+  return out;
+}
+
+// The picture whose pixels are about as large as those that will show it.
+void Skins::fit_level(Worn& worn, double footprint) const {
+  const double pixels = footprint * std::sqrt(std::abs(worn.to_skin.leftCols<2>().determinant()));
+  const int last = count_of(pictures_[worn.skin]) - 1;
+  worn.level = pixels > 1 ? std::min(round_nearest(std::log2(pixels)), last) : 0;
+}
+
+// A skin is laid with its relief, which grows with it, so slopes stay, and turns with it.
+void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed, const std::optional<Vec2>& light) const {
+  constexpr float kSteepest = 1.5F;  // a skin that is pressed together
+  const Eigen::Vector2f toward = light ? Eigen::Vector2f(light->normalized().cast<float>()) : photographed;
+  const Eigen::Matrix2f laid = worn.to_skin.leftCols<2>();
+  Eigen::Vector2f shown = laid * toward / std::sqrt(std::abs(laid.determinant()));
+  if (!shown.allFinite()) return;
+  shown *= std::min(1.0F, kSteepest / std::max(kSteepest, shown.norm()));
+  worn.relit = Eigen::Vector2f(shown.dot(in_rows(photographed)) - 1,
+                               shown.dot(in_rows(quarter_turn(photographed))));
 }
 
 std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& particles,
@@ -254,64 +320,16 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   return best;
 }
 
-// The farthest edge of the mesh in each direction; 0 where there is none.
-Skins::Outline Skins::outline_on_skin(const Worn& worn, const Mesh& mesh, const Mat3& turn) const {
-  Outline outline{};
-  const int directions = count_of(outline);
-  const Eigen::Vector2f start = worn.start - skins_[worn.skin].center;
-  const Eigen::Matrix<float, 2, 3> to_skin = worn.to_skin * turn.cast<float>();
-  std::vector<Eigen::Vector2f> at;
-  std::vector<float> direction;
-  for (const Vec3& v : mesh.vertices) {
-    at.push_back(to_skin * v.cast<float>() + start);
-    direction.push_back(direction_of(std::atan2(at.back().y(), at.back().x()), directions));
-  }
-  const auto add_edge = [&](int i, int j) {
-    float first = direction[i];
-    float last = direction[j];
-    if (first > last) std::swap(first, last);
-    if (last - first > directions / 2.0F)  // the shorter way passes the first direction
-      first = std::exchange(last, first + static_cast<float>(directions));
-    for (int k = round_up(first); k <= last; ++k) {
-      const float angle = 2 * std::numbers::pi_v<float> * k / directions;
-      const Eigen::Vector2f ray(std::cos(angle), std::sin(angle));
-      const Eigen::Vector2f edge = at[j] - at[i];
-      const float across = ray.x() * edge.y() - ray.y() * edge.x();
-      const float distance = (at[i].x() * edge.y() - at[i].y() * edge.x()) / across;
-      float& farthest = outline[k % directions];
-      if (std::isfinite(distance)) farthest = std::max(farthest, distance);
-    }
-  };
-  for (const Triangle& t : mesh.triangles)
-    for (int e = 0; e < 3; ++e)
-      if (t[e] < t[(e + 1) % 3]) add_edge(t[e], t[(e + 1) % 3]);  // neighbors share it
-  return outline;
-}
-
-// The place on the skin for a place relative to its center, both in pixels.
-Eigen::Vector2f Skins::fitted(const Worn& worn, const Eigen::Vector2f& at) const {
-  constexpr float kLeast = 0.8F, kMost = 1.25F;  // beyond them, grain would smear
-  const std::vector<float>& seen = skins_[worn.skin].outline;
-  const float distance = at.norm();
-  if (seen.empty() || !(distance > 0)) return at;
-  const float angle = std::atan2(at.y(), at.x());
-  const float own = in_direction(worn.outline, angle);
-  const float its = in_direction(seen, angle);
-  if (!(own > 0) || !(its > 0)) return at;
-  const float ratio = std::clamp(its / own, kLeast, kMost);
-  return at * (1 + (ratio - 1) * std::min(1.0F, distance / own));
-}
-
 Vec3f Skins::at(const Vec3f& mm, int particle, const Vec3f& color) const {
   const Worn& worn = worn_[particle];
   Vec3f offset = mm - worn.center;
   for (int a = 0; a < 3; ++a) offset[a] -= box_[a] * std::round(offset[a] / box_[a]);
-  const Detail::Skin& skin = skins_[worn.skin];
-  const Eigen::Vector2f at = skin.center + fitted(worn, worn.to_skin * offset + worn.start - skin.center);
-  const auto index = [&](int x, int y) {
-    return pixel_at(std::clamp(x, 0, skin.width - 1), std::clamp(y, 0, skin.height - 1), skin.width);
-  };
-  return Detail::with_shade(color, sample(skin.shade, at.x(), at.y(), index));
+  const Picture& picture = pictures_[worn.skin][worn.level];
+  const Eigen::Vector2f at = std::ldexp(1.0F, -worn.level) * (worn.to_skin * offset + worn.start);
+  const Texel texel = sample(picture.texels, at.x(), at.y(), [&](int x, int y) {
+    return pixel_at(std::clamp(x, 0, picture.width - 1), std::clamp(y, 0, picture.height - 1), picture.width);
+  });
+  return Detail::with_shade(color, texel.head<3>() + Vec3f::Constant(worn.relit.dot(texel.tail<2>())));
 }
 
 Vec3f Skins::ground(const Vec3f& mm, const Vec3f& color) const {

@@ -1,7 +1,6 @@
 // The outsides of photographed stones on the particles of a packing.
 #pragma once
 
-#include <array>
 #include <map>
 #include <optional>
 #include <vector>
@@ -18,14 +17,20 @@ namespace terrazzo::residual {
 // is projected along z, the direction in which the photograph looked: it is moved and stretched so that the
 // ellipse of the stone's silhouette falls on that of the particle's, with as little stretching as possible
 // (the optimal transport between two ellipses), mirrored or not, and turned if it would be stretched far.
-// Then points move away from the middle or toward it, the more the nearer they are to the outline, until the
-// particle's outline falls on that of what is seen of the stone. Skins that need little stretching, and above
-// all no enlarging, are preferred, those of stones that nothing hides, and those that few others wear.
+// Skins that need little stretching, and above all no enlarging, are preferred, those of stones that nothing
+// hides, and those that few others wear.
+//
+// Where a skin shows relief rather than stains (Detail::Relief), it is lit from where the light stands, not
+// from where it stood when the stone was photographed. A slope's light is linear in it (Pentland 1990): the
+// slope along the light is the part of the shade that is relief, the slope across it follows since both
+// belong to one height.
 class Skins {
  public:
-  // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. Particles are
-  // bare without skins, or if they are much smaller than all stones that have one.
-  Skins(const Detail&, const Particles&, const Shapes&, double footprint, const Work& = {});
+  // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. `light`: toward
+  // where the light stands, along the packing's x and y, of any length; nothing: as photographed. Particles
+  // are bare without skins, or if they are much smaller than all stones that have one.
+  Skins(const Detail&, const Particles&, const Shapes&, double footprint, const std::optional<Vec2>& light,
+        const Work& = {});
 
   // The soil at a point in mm, where it otherwise has this color: the photograph's, which repeats
   // seamlessly. Only if there is such a photograph.
@@ -39,19 +44,28 @@ class Skins {
   Vec3f at(const Vec3f& mm, int particle, const Vec3f& color) const;
 
  private:
-  // Distances from the skin's center, pixels, in directions as those of Detail::Skin::outline.
-  using Outline = std::array<float, 32>;
+  // Shade; then the part of its luminance that is relief, and what that would be if the light stood a quarter
+  // turn counterclockwise from where it did.
+  using Texel = Eigen::Matrix<float, 5, 1>;
+  struct Picture {
+    int width = 0, height = 0;
+    std::vector<Texel> texels;
+  };
   struct Worn {
     int skin = -1;
     float lost_grain = 0;
+    int level = 0;                                      // of the skin's pictures
+    Eigen::Vector2f relit = Eigen::Vector2f::Zero();    // of the last two numbers of texels, added to the shade
     // Pixels to the right and downwards per mm from the particle's position, and at that position.
     Eigen::Matrix<float, 2, 3> to_skin = Eigen::Matrix<float, 2, 3>::Zero();
     Eigen::Vector2f start = Eigen::Vector2f::Zero();
     Vec3f center = Vec3f::Zero();  // the particle's position, mm
-    Outline outline{};             // of the particle, on the skin
   };
-  Outline outline_on_skin(const Worn&, const Mesh&, const Mat3& turn) const;
-  Eigen::Vector2f fitted(const Worn&, const Eigen::Vector2f& at) const;
+  static Picture with_relief(const Detail::Skin&, const Detail::Relief&);
+  static Picture halved(const Picture&);
+  void take_pictures(const Detail::Relief&, const Work&);
+  void fit_level(Worn&, double footprint) const;
+  void light_up(Worn&, const Eigen::Vector2f& photographed, const std::optional<Vec2>& light) const;
   std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;
   Worn choose(std::size_t particle, const Particles&, const Eigen::Matrix2d& spread,
               const std::optional<Worn>& own) const;
@@ -59,7 +73,8 @@ class Skins {
   Vec3f box_;
   double pixel_size_;
   Detail::Ground ground_;
-  std::vector<Detail::Skin> skins_;
+  std::vector<Detail::Skin> skins_;             // without their shades
+  std::vector<std::vector<Picture>> pictures_;  // of each, each half as large as the one before
   std::vector<Vec3f> oklab_;                // colors of skins
   std::vector<double> hidden_;              // what it costs to wear each, because others hide a part
   std::map<std::int32_t, int> of_profile_;  // number of the skin
