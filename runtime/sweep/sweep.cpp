@@ -50,25 +50,35 @@ std::string csv_cell(const std::string& s) {
 
 }  // namespace
 
+std::vector<std::string> parse_values(const std::string& text) {
+  const auto refused = [](const std::string& why) {
+    return Error("usage", "the list " + why, "write A,B,C or LO:HI:STEP");
+  };
+  if (find_invalid_utf8(text) != std::string::npos) throw refused("is not UTF-8");
+  if (text.find_first_not_of(" \t") == std::string::npos) throw refused("has no values");
+  try {
+    if (auto range = read_range(text, 100000)) return *range;
+  } catch (const Error& e) {
+    throw Error("usage", e.diagnostic().message, e.diagnostic().hint);
+  }
+  auto values = split(text, ',');
+  for (auto& v : values) {
+    v.erase(0, v.find_first_not_of(' '));
+    if (v.empty()) throw refused("has an empty value");
+    v.erase(v.find_last_not_of(' ') + 1);
+  }
+  return values;
+}
+
 Vary parse_vary(const std::string& text) {
   if (find_invalid_utf8(text) != std::string::npos) bad(valid_utf8(text), "is not UTF-8");
   const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) bad(text, "has no values");
-  Vary out{text.substr(0, equals), {}};
-  const std::string values = text.substr(equals + 1);
+  if (equals == std::string::npos || equals == 0) bad(text, "has no values");
   try {
-    if (auto range = read_range(values, 100000)) {
-      out.values = std::move(*range);
-      return out;
-    }
+    return {text.substr(0, equals), parse_values(text.substr(equals + 1))};
   } catch (const Error& e) {
     bad(text, e.diagnostic().message);
   }
-  for (auto& v : split(values, ',')) {
-    if (v.empty()) bad(text, "has an empty value");
-    out.values.push_back(std::move(v));
-  }
-  return out;
 }
 
 SweepPoints::SweepPoints(std::vector<Vary> vary, Overrides common)

@@ -21,8 +21,10 @@ struct Vary {
   std::string target;
   std::vector<std::string> values;
 };
-// Parses "pack.seed=1,2,3" or "pack.phi=0.3:0.5:0.1" (LO:HI:STEP, both ends included if the steps reach
-// them). A list value is written in brackets. Throws Error "usage".
+// The values of "1,2,3" or "0.3:0.5:0.1" (LO:HI:STEP, both ends included if the steps reach them). A list
+// value is written in brackets. Throws Error "usage".
+std::vector<std::string> parse_values(const std::string& text);
+// Parses "pack.seed=1,2,3" or "pack.phi=0.3:0.5:0.1". Throws Error "usage".
 Vary parse_vary(const std::string& text);
 
 struct SweepPoint {

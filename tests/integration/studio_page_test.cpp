@@ -268,6 +268,32 @@ TEST_F(StudioPage, ShowsTheMaterialItsPaletteAndItsFiles) {
   EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
 }
 
+// A result for several values, side by side.
+TEST_F(StudioPage, ShowsVariantsAndKeepsOne) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "variants.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["offered"], nlohmann::json({"seed", "3, 4, 5, 6, 7, 8"}));
+  EXPECT_EQ(r["groups"], nlohmann::json({"Graph", "phases", "photo"}));
+  EXPECT_EQ(r["different"], 6);
+  EXPECT_EQ(r["kept_before"], nlohmann::json::array({"3"}));
+  EXPECT_EQ(r["kept_text"], "  seed: {type: int, default: 5}");
+  EXPECT_EQ(r["kept_states"], nlohmann::json({"cached", "cached"}));
+  for (const char* step : {"same", "undone", "fits"}) EXPECT_EQ(r[step], true) << step;
+  EXPECT_EQ(r["tried"], nlohmann::json({"done", "failed", "failed"}));
+  EXPECT_NE(r["why"][0].get<std::string>().find("between 2 and 8"), std::string::npos) << r["why"];
+  EXPECT_NE(r["refused"].get<std::string>().find("step"), std::string::npos) << r["refused"];
+  EXPECT_EQ(r["done_at_previews"], 0);
+  EXPECT_EQ(r["canceled"], nlohmann::json({"canceled", "canceled", "canceled"}));
+  EXPECT_EQ(r["pictures_left"], 3);
+  EXPECT_EQ(r["after_reload"], 3);
+  EXPECT_EQ(r["fractions"], "0.1, 0.14, 0.2, 0.28, 0.4");
+  EXPECT_EQ(r["text_at_end"], "  seed: {type: int, default: 3}");
+}
+
 // Names that can be read, outputs as one card, a graph that stays where it is, wires, and files that are no
 // photographs.
 TEST_F(StudioPage, ShowsLegibleGraphs) {

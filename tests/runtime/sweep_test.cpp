@@ -16,6 +16,7 @@ TEST(Sweep, ValuesAreListsOrRanges) {
   EXPECT_EQ(parse_vary("a.b=1:2:.7").values, (Words{"1", "1.7"}));
   EXPECT_EQ(parse_vary("photo=C:x:y").values, (Words{"C:x:y"}));  // not a range
   EXPECT_EQ(parse_vary("a/b.c=1").target, "a/b.c");
+  EXPECT_EQ(parse_values(" 1, 2 ,#aabbcc"), (Words{"1", "2", "#aabbcc"}));
   for (const char* bad : {"a.b", "a.b=", "=1", "a.b=1,,2", "a.b=1:2:0", "a.b=1:2:-1", "a.b=0:1:1e-9"})
     EXPECT_THROW(parse_vary(bad), Error) << bad;
 }

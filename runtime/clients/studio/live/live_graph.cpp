@@ -49,6 +49,7 @@ LiveGraph::~LiveGraph() {
   events_.end();
   wake_.notify_all();
   thread_.join();
+  variants_.reset();
   running_.clear();  // waits, without the lock that the watchers need
 }
 
@@ -92,7 +93,10 @@ void LiveGraph::require_saved() {
 
 void LiveGraph::open(Document document, bool discard, std::optional<bool> live) {
   if (!discard) require_saved();
+  std::shared_ptr<Variants> left;  // ends without the lock
   const std::lock_guard lock(mutex_);
+  left = std::move(variants_);
+  ++variants_made_;
   for (const auto& r : running_) {
     r->watcher->current = false;
     r->watcher->left = true;
@@ -108,6 +112,7 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   seconds_ = 0;
   trouble_.clear();
   if (live) live_ = *live;
+  events_.add("variants", "null");
   document_changed();
 }
 
@@ -214,9 +219,11 @@ Value LiveGraph::value(const std::string& hash) {
   OutputRecord record;
   {
     const std::lock_guard lock(mutex_);
+    const auto varied = variants_ ? variants_->record(hash) : std::nullopt;
     const auto it = values_.find(hash);
-    if (it == values_.end()) throw Error("unknown-value", "no node of this session made this value");
-    record = it->second;
+    if (!varied && it == values_.end())
+      throw Error("unknown-value", "no node of this session made this value");
+    record = varied ? *varied : it->second;
   }
   Value v = session_.evaluator().store().get_value(record);
   if (!v) throw Error("lost-value", "the value is no longer in the cache", "run the node again");
@@ -228,7 +235,42 @@ Value LiveGraph::preview(std::uint64_t number) {
   for (const auto& [path, s] : states_)
     for (const auto& [port, p] : s.previews)
       if (p.number == number) return p.value;
-  return {};
+  return variants_ ? variants_->preview(number) : Value();
+}
+
+void LiveGraph::vary(VariantsRequest request) {
+  std::shared_ptr<Variants> before;  // ends without the lock
+  const std::lock_guard lock(mutex_);
+  if (!valid_) throw Error("invalid-graph", "the graph has errors", "correct them first");
+  RunOptions options;
+  options.output_folder = session_.options().output_folder;
+  options.threads = session_.options().threads;
+  options.memory = session_.options().file_memory;
+  options.cancel = session_.options().cancel;
+  options.keep_intermediates = true;
+  const auto tell = [this, number = variants_made_ + 1](const json& j) {
+    if (number == variants_made_) events_.add("variants", json_text(j));
+  };
+  auto next = std::make_shared<Variants>(
+      session_.evaluator(), registry_, Variants::Source{document_.read(), document_.file(), overrides_},
+      std::move(options), std::move(request), [this] { return ++previews_; }, tell);
+  if (variants_) variants_->cancel();
+  before = std::exchange(variants_, std::move(next));
+  ++variants_made_;
+  events_.add("variants", json_text(variants_->json()));
+  tell_document();
+}
+
+void LiveGraph::cancel_variants() {
+  const std::lock_guard lock(mutex_);
+  if (variants_) variants_->cancel();
+}
+
+void LiveGraph::keep_variant(std::size_t tile) {
+  change([&](Document& d) {
+    if (!variants_) throw Error("unknown-variant", "there are no variants");
+    d.edit({variants_->edit(tile)});
+  });
 }
 
 void LiveGraph::note_end() {

@@ -1,6 +1,7 @@
 // A document that is evaluated as it is edited. It knows no HTTP.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json_fwd.hpp>
@@ -10,6 +11,7 @@
 #include "runtime/clients/studio/live/document.h"
 #include "runtime/clients/studio/live/node_states.h"
 #include "runtime/clients/studio/live/past_states.h"
+#include "runtime/clients/studio/live/variants.h"
 #include "runtime/clients/studio/server/event_log.h"
 #include "runtime/session.h"
 
@@ -18,14 +20,15 @@ namespace terrazzo::studio {
 // All methods may be called from any thread. Each change of the document's text starts an evaluation of all
 // nodes that write no files, if `live`; computations that the change does not affect go on. Every change is
 // reported in events(): "document", "arrangement" {arrangement, can_undo, can_redo, trouble}, "node" {path,
-// …}, "run".
+// …}, "run", "variants".
 class LiveGraph {
  public:
   LiveGraph(const Registry&, const ValueTypes&, SessionOptions, Document, Overrides = {}, bool live = true);
   ~LiveGraph();
 
-  // Everything: {number, document, nodes, run}. `number`: the last event that it includes. Of a graph with
-  // more nodes than a page can draw, pages get the text, and only nodes that failed or have warnings.
+  // Everything: {number, document, nodes, run, variants}. `number`: the last event that it includes. Of a
+  // graph with more nodes than a page can draw, pages get the text, and only nodes that failed or have
+  // warnings.
   nlohmann::json state();
   const EventLog& events() const { return events_; }
 
@@ -67,6 +70,14 @@ class LiveGraph {
   nlohmann::json history();
   nlohmann::json past(std::size_t number);
   void restore(std::size_t number);
+
+  // Shows variants of an output in place of those before: see variants.h. Throws what Variants() throws, and
+  // Error "invalid-graph".
+  void vary(VariantsRequest);
+  void cancel_variants();
+  // Makes the document a variant, as a step of undo. Throws Error "unknown-variant" and what edit_document()
+  // throws.
+  void keep_variant(std::size_t tile);
 
   // The document inside of a node that is a subgraph, by its path ("asset", "asset/part"), like the document
   // of state(). Throws Error "unknown-node".
@@ -121,7 +132,7 @@ class LiveGraph {
   PastStates past_;
   std::string trouble_;
   std::map<std::string, OutputRecord> values_;
-  std::uint64_t previews_ = 0;                              // made so far
+  std::atomic<std::uint64_t> previews_{0};                  // made so far
   std::vector<std::unique_ptr<Running>> running_;           // the last one is current
   std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
   std::string shown_;
@@ -129,6 +140,8 @@ class LiveGraph {
   bool end_expected_ = false;      // the end of the current evaluation was not reported yet
   bool ended_ = false;
   std::condition_variable wake_;
+  std::shared_ptr<Variants> variants_;           // null: none were asked for
+  std::atomic<std::uint64_t> variants_made_{0};  // so that former ones, which still end, report no more
   std::thread thread_;
 };
 

@@ -46,6 +46,7 @@ json LiveGraph::document_json() const {
   out["trouble"] = document_.trouble();
   out["disk_changed"] = disk_changed_;
   out["valid"] = valid_;
+  out["varied"] = variants_ && variants_->fit(document_.read());
   out["messages"] = messages;
   out["arrangement"] = arrangement_json(document_.arrangement());
   return out;
@@ -56,7 +57,11 @@ json LiveGraph::state() {
   json nodes = json::object();
   for (const auto& [path, s] : states_)
     if (!large_ || has_messages(s)) nodes[path] = json_of(s);
-  return {{"number", events_.last()}, {"document", document_json()}, {"nodes", nodes}, {"run", run_json()}};
+  return {{"number", events_.last()},
+          {"document", document_json()},
+          {"nodes", nodes},
+          {"run", run_json()},
+          {"variants", variants_ ? variants_->json() : json()}};
 }
 
 void LiveGraph::tell_document() {

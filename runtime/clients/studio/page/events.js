@@ -1,5 +1,5 @@
 // One stream of events for all pages of a browser, which allows few connections to one host. Runs as a SharedWorker.
-const types = ['state', 'document', 'run', 'node', 'progress', 'arrangement'];
+const types = ['state', 'document', 'run', 'variants', 'node', 'progress', 'arrangement'];
 const pages = new Map(); // port: the events that wait until it has the state, or null
 let source = null;
 

@@ -113,6 +113,21 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
     live.restore(body.at("number").get<std::size_t>());
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
+  http.Post("/api/variants", server.handler([&live](const In&, const json& body, Out& out) {
+    live.vary({.target = body.at("target").get<std::string>(),
+               .values = body.at("values").get<std::string>(),
+               .node = body.at("node").get<std::string>(),
+               .port = body.at("port").get<std::string>()});
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
+  http.Post("/api/variants/cancel", server.handler([&live](const In&, const json&, Out& out) {
+    live.cancel_variants();
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
+  http.Post("/api/variants/keep", server.handler([&live](const In&, const json& body, Out& out) {
+    live.keep_variant(body.at("tile").get<std::size_t>());
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
   http.Get("/api/subgraph", server.handler([&live](const In& in, const json&, Out& out) {
     LocalServer::answer(out, live.subgraph(in.get_param_value("path")));
   }));

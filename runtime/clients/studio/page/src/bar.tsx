@@ -14,7 +14,7 @@ export function Bar() {
   const stale = useStore(s => Object.values(s.nodes).filter(n => n.state === 'stale' && n.reasons.length > 0).length);
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
   const price = useStore(s => s.price), progress = useProgress();
-  const toggle = (d: 'yaml' | 'messages' | 'history' | 'files') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
+  const toggle = (d: 'yaml' | 'messages' | 'history' | 'files' | 'variants') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
   const status = !online ? 'not connected'
     : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
@@ -41,6 +41,7 @@ export function Bar() {
       <button className="primary" disabled={!doc?.valid} onClick={() => void post('/api/run')} title="Evaluate everything and write the output files">Run and write files</button>
       <div className="group">
         <button aria-pressed={drawer === 'files'} onClick={() => toggle('files')} title="The files that the graph writes">Files</button>
+        <button aria-pressed={drawer === 'variants'} onClick={() => toggle('variants')} title="The result in view for several values of a parameter">Variants</button>
         <button aria-pressed={drawer === 'history'} onClick={() => toggle('history')}>History</button>
         <button aria-pressed={drawer === 'messages'} onClick={() => toggle('messages')}>Messages{doc?.messages.length ? ` (${doc.messages.length})` : ''}</button>
         <button aria-pressed={drawer === 'yaml'} onClick={() => toggle('yaml')}>YAML</button>

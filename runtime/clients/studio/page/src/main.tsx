@@ -13,6 +13,7 @@ import { Splitter } from './splitter';
 import { Start } from './start';
 import { connect, post, save, useStore } from './store';
 import style from './style.css';
+import { VariantsPanel } from './variants';
 import { Viewer } from './viewer';
 import { Messages, Yaml } from './yaml';
 
@@ -24,7 +25,7 @@ for (const text of [flowStyle, style]) {
 }
 
 function App() {
-  const drawer = useStore(s => s.drawer);
+  const drawer = useStore(s => s.drawer), file = useStore(s => s.doc?.file);
   const title = useStore(s => (s.doc ? `${s.doc.saved ? '' : '• '}${s.doc.name || s.doc.file.split('/').pop()}` : ''));
   useEffect(() => { if (title) document.title = `${title} – Terrazzo Studio`; }, [title]);
   useEffect(() => {
@@ -65,7 +66,7 @@ function App() {
       <div className="below">
         {starting && <Start />}
         <div className={`body${wide ? ' wide' : ''}`} inert={starting}>
-          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}{drawer === 'history' && <History />}{drawer === 'files' && <Files />}</div>
+          <div className="left"><Canvas />{drawer === 'yaml' && <Yaml />}{drawer === 'messages' && <Messages />}{drawer === 'history' && <History />}{drawer === 'files' && <Files />}{drawer === 'variants' && <VariantsPanel key={file} />}</div>
           <aside aria-label="Selected node"><Splitter /><Viewer /><Inspector /></aside>
         </div>
       </div>

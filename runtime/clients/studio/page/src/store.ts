@@ -4,7 +4,7 @@ import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
 import { learn } from './progress';
-import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State } from './types';
+import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants } from './types';
 
 export interface Target { node: string; port: string }
 export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
@@ -21,7 +21,8 @@ interface Store {
   pinned: Target | null;
   online: boolean;
   trouble: Trouble | null;
-  drawer: 'none' | 'yaml' | 'messages' | 'history' | 'files';
+  drawer: 'none' | 'yaml' | 'messages' | 'history' | 'files' | 'variants';
+  variants: Variants | null; // of a result, side by side
   line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
   starting: boolean; // the start page is shown
@@ -43,7 +44,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
-  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', line: null,
+  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, line: null,
   start: null, starting: false, picture: null, savingAs: false, tool: null, dropper: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
 }));
@@ -141,7 +142,7 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, online: true, ...arrangementOf(s.document.arrangement) });
+    set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, variants: s.variants, online: true, ...arrangementOf(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
   on<{ arrangement: Arrangement; can_undo: boolean; can_redo: boolean; trouble: string }>('arrangement', ({ arrangement, ...rest }) => {
@@ -157,6 +158,7 @@ export async function connect() {
     void enter(useStore.getState().scope);
   });
   on<Run>('run', run => set({ run }));
+  on<Variants | null>('variants', variants => set({ variants }));
   on<NodeState & { path: string }>('node', n => { learn(n), later(n.path, started(n)); });
   on<{ path: string; progress: number; note: string }>('progress', p => {
     const before = pending[p.path] ?? useStore.getState().nodes[p.path];
@@ -323,11 +325,17 @@ export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeSt
   return out;
 }
 
-function outputOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { state: NodeState; port: string } | undefined {
+// The path and port of what makes an output, also inside of subgraphs. Of elements, the first.
+export function placeOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { path: string; port: string } | undefined {
   const at = node.graph || node.bypass ? node.inner?.[port] : { path: node.name, port };
   if (!at) return undefined;
-  const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path); // the first element
-  return path === undefined ? undefined : { state: nodes[path], port: at.port };
+  const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path);
+  return path === undefined ? undefined : { path, port: at.port };
+}
+
+function outputOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { state: NodeState; port: string } | undefined {
+  const at = placeOf(node, port, nodes);
+  return at && { state: nodes[at.path], port: at.port };
 }
 
 export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {

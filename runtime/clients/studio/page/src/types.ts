@@ -30,7 +30,7 @@ export interface Doc {
   outputs: { name: string; wire: string; line: number }[];
   parameters: GraphParameter[]; messages: Message[];
   saved: boolean; read_only: boolean; can_undo: boolean; can_redo: boolean; recovered: string; trouble: string;
-  disk_changed: boolean; valid: boolean; arrangement: Arrangement;
+  disk_changed: boolean; valid: boolean; varied: boolean; arrangement: Arrangement;
 }
 export interface StartInfo {
   welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[];
@@ -46,7 +46,12 @@ export interface NodeState {
   error?: Message; elapsed?: number; // of a node that runs, when it was reported
 }
 export interface Run { running: boolean; live: boolean; seconds: number; expected: number; unfinished: number; trouble: string }
-export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run }
+export interface Variant {
+  value: string; state: 'waiting' | 'running' | 'preview' | 'done' | 'failed' | 'canceled'; doing: string; progress: number; seconds: number;
+  output?: OutputValue; shapes?: OutputValue; preview?: { type: string; number: number }; error: string;
+}
+export interface Variants { target: string; values: string; node: string; port: string; running: boolean; tiles: Variant[] }
+export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run; variants: Variants | null }
 export interface Note { x: number; y: number; width: number; height: number; text: string; frame: boolean }
 export interface Arrangement { places?: Record<string, [number, number]>; notes?: Note[] }
 export interface Price { nodes: { path: string; seconds: number; reason: string; perhaps: boolean }[]; seconds: number }
