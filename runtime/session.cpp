@@ -5,6 +5,7 @@
 
 #include "graph/document/raw_document.h"
 #include "graph/exception_text.h"
+#include "runtime/bundle/bundle.h"
 #include "runtime/report/provenance.h"
 #include "runtime/report/recipe.h"
 
@@ -55,8 +56,14 @@ Session::~Session() {
     }
 }
 
-Diagnostics Session::open(const fs::path& file, Overrides overrides) {
+Diagnostics Session::open(const fs::path& given, Overrides overrides) {
   Diagnostics found;
+  fs::path file = given;
+  if (is_bundle(given)) try {
+      file = open_bundle(given, registry_);
+    } catch (const Error& e) {
+      return {e.diagnostic()};
+    }
   const auto text = read_graph_text(file, found);
   return text ? open_text(*text, file, std::move(overrides)) : found;
 }

@@ -65,7 +65,8 @@ class Session {
   Session(const Registry&, const ValueTypes&, SessionOptions = {});
   ~Session();
 
-  // Loads a graph and returns all messages. If there are errors, the previous graph stays open.
+  // Loads a graph, or that of a bundle, and returns all messages. If there are errors, the previous graph
+  // stays open.
   Diagnostics open(const std::filesystem::path& file, Overrides = {});
   Diagnostics open_text(std::string text, const std::filesystem::path& file, Overrides = {});
   // The same for a document that was made or changed in memory. Like an edit, it cancels the nodes of running

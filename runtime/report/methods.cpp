@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLongestValue = 60, kMostNames = 3;  // bytes, nodes
 
 // Of one sentence.
-struct Step {
+struct MethodStep {
   const NodeType* type = nullptr;
   std::vector<std::string> names;  // of the nodes
   std::string settings;
@@ -63,15 +63,16 @@ std::string settings_of(const GraphNode& node) {
   return fmt::format("{}", fmt::join(all, ", "));
 }
 
-std::vector<Step> steps_of(const Graph& graph, const std::vector<int>& targets) {
-  std::vector<Step> out;
+std::vector<MethodStep> steps_of(const Graph& graph, const std::vector<int>& targets) {
+  std::vector<MethodStep> out;
   const std::vector<bool> needed = needed_nodes(graph, targets.empty() ? graph.sinks() : targets);
   for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
     const GraphNode& node = graph.nodes[i];
     if (!needed[i] || node.type->writes_files) continue;
     const std::string settings = settings_of(node);
-    const auto same = std::find_if(
-        out.begin(), out.end(), [&](const Step& s) { return s.type == node.type && s.settings == settings; });
+    const auto same = std::find_if(out.begin(), out.end(), [&](const MethodStep& s) {
+      return s.type == node.type && s.settings == settings;
+    });
     if (same == out.end())
       out.push_back({node.type, {node.path}, settings});
     else
@@ -139,13 +140,13 @@ std::string names_text(const std::vector<std::string>& names) {
 
 std::string methods_text(const Graph& graph, const std::vector<int>& targets, const Registry& registry,
                          const std::string& version) {
-  const std::vector<Step> steps = steps_of(graph, targets);
+  const std::vector<MethodStep> steps = steps_of(graph, targets);
   if (steps.empty()) throw Error("nothing-to-describe", "no node computes anything", "choose other targets");
   std::vector<std::string> sources;
   std::string text = fmt::format("Results were computed with Terrazzo {}", version);
   if (!graph.name.empty()) text += fmt::format(" (graph “{}”)", printable(graph.name));
   text += " in these steps.";
-  for (const Step& s : steps) {
+  for (const MethodStep& s : steps) {
     text += fmt::format(" {} (version {}; {}) {}{}", s.type->name, s.type->version, names_text(s.names),
                         after_a_name(first_sentence(s.type->doc)),
                         citations(sources_of(*s.type, registry), sources));

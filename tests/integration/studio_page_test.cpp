@@ -294,6 +294,25 @@ TEST_F(StudioPage, ShowsVariantsAndKeepsOne) {
   EXPECT_EQ(r["text_at_end"], "  seed: {type: int, default: 3}");
 }
 
+// A material as one file, and from there to a graph to work on.
+TEST_F(StudioPage, SharesAMaterialAndOpensIt) {
+  write_image(folder / "photo.png", Image(60, 40, 1, 1, Vec3f(0.1f, 0.4f, 0.2f)));
+  const auto run =
+      test::run_command({"timeout", "200", "node", "share.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["offered"], "two.zip");
+  EXPECT_NE(r["refused"].get<std::string>().find("exists already"), std::string::npos) << r["refused"];
+  EXPECT_EQ(r["bundles"], nlohmann::json::array({"Two pictures"}));
+  for (const char* step : {"wrote", "same", "again"}) EXPECT_EQ(r[step], true) << step;
+  EXPECT_NE(r["text"].get<std::string>().find("path: files/photo.png"), std::string::npos) << r["text"];
+  for (const char* word : {"License: CC BY 4.0", "Source: A quarry", "files/photo.png"})
+    EXPECT_NE(r["notes"].get<std::string>().find(word), std::string::npos) << r["notes"];
+  EXPECT_EQ(r["still"], 1);
+}
+
 // Names that can be read, outputs as one card, a graph that stays where it is, wires, and files that are no
 // photographs.
 TEST_F(StudioPage, ShowsLegibleGraphs) {

@@ -13,8 +13,9 @@ namespace terrazzo {
 namespace cli {
 
 CLI::Option* add_graph_options(CLI::App& app, GraphOptions& o) {
-  auto* graph =
-      app.add_option("graph", o.graph, "Graph file (YAML)")->type_name(placeholder::graph)->required();
+  auto* graph = app.add_option("graph", o.graph, "Graph file (YAML), or a bundle")
+                    ->type_name(placeholder::graph)
+                    ->required();
   add_set_option(app, o);
   app.add_option("--param", o.parameters, "Set a graph parameter: NAME=VALUE (repeatable)")
       ->type_name(placeholder::graph_setting)
@@ -82,6 +83,7 @@ int run_command(int argc, char** argv, const Program& program) {
   cli::add_show(app, program, exit_code);
   cli::add_explain(app, program, exit_code);
   cli::add_methods(app, program, exit_code);
+  cli::add_bundle(app, program, exit_code);
   cli::add_graph(app, program, exit_code);
   cli::add_nodes(app, program, exit_code);
   cli::add_schema(app, program, exit_code);

@@ -23,6 +23,7 @@ void add_check(CLI::App&, const Program&, int& exit_code);
 void add_show(CLI::App&, const Program&, int& exit_code);
 void add_explain(CLI::App&, const Program&, int& exit_code);
 void add_methods(CLI::App&, const Program&, int& exit_code);
+void add_bundle(CLI::App&, const Program&, int& exit_code);
 void add_graph(CLI::App&, const Program&, int& exit_code);
 void add_nodes(CLI::App&, const Program&, int& exit_code);
 void add_schema(CLI::App&, const Program&, int& exit_code);

@@ -7,6 +7,7 @@
 #include "graph/describe.h"
 #include "graph/text/element_name.h"
 #include "graph/text/nearest.h"
+#include "runtime/bundle/bundle.h"
 #include "runtime/cache/action_key.h"
 #include "runtime/clients/python/outside.h"
 
@@ -41,8 +42,9 @@ void GraphObject::reindex() {
   for (std::size_t i = 0; i < document_.nodes.size(); ++i) index_[document_.nodes[i].name] = i;
 }
 
-void GraphObject::open(const fs::path& file) {
+void GraphObject::open(const fs::path& given) {
   Diagnostics found;
+  const fs::path file = is_bundle(given) ? open_bundle(given, registry()) : given;
   const auto text = read_graph_text(file, found);
   if (!text) raise(found);
   open_text(*text, file);

@@ -10,10 +10,12 @@
 #include <iostream>
 #include <utility>
 
+#include "runtime/bundle/bundle.h"
 #include "runtime/clients/cli/default_graph.h"
 #include "runtime/clients/cli/output.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/new_material.h"
+#include "runtime/clients/studio/own_graphs.h"
 #include "runtime/clients/studio/server/serve.h"
 #include "runtime/clients/studio/server/studio_server.h"
 
@@ -48,6 +50,7 @@ int studio(const StudioOptions& o, const NodeSet& nodes) {
     file = made.path;
     if (made.written) std::cerr << "Wrote " << file.string() << ".\n";
   }
+  if (is_bundle(file)) file = graph_of_bundle(file, fs::current_path(), nodes.registry);
   if (file.empty())
     throw Error("usage", "no graph is given, and the default graph is not installed with this program",
                 "name a graph file: terrazzo studio GRAPH");

@@ -8,6 +8,7 @@
 #include <optional>
 #include <thread>
 
+#include "runtime/bundle/write_bundle.h"
 #include "runtime/clients/studio/live/document.h"
 #include "runtime/clients/studio/live/node_states.h"
 #include "runtime/clients/studio/live/past_states.h"
@@ -84,6 +85,8 @@ class LiveGraph {
   nlohmann::json subgraph(const std::string& path);
   // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
   nlohmann::json files();
+  // The document as it is now, to write a bundle of it.
+  BundleRequest bundle_request();
   // The files that the graph writes, and where: {folder, files}; see written_files.h.
   nlohmann::json outputs();
   // One of these files. Throws Error "no-file".

@@ -103,6 +103,11 @@ json LiveGraph::files() {
   return {{"files", list}, {"more", more}};
 }
 
+BundleRequest LiveGraph::bundle_request() {
+  const std::lock_guard lock(mutex_);
+  return {.graph = document_.file(), .text = document_.text()};
+}
+
 json LiveGraph::outputs() {
   const std::lock_guard lock(mutex_);
   const fs::path folder = fs::absolute(session_.options().output_folder).lexically_normal();

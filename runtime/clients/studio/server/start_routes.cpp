@@ -6,6 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/text/utf8.h"
+#include "nodes/common/io/image_file.h"
+#include "runtime/bundle/bundle.h"
+#include "runtime/bundle/temporary_folder.h"
+#include "runtime/bundle/write_bundle.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/new_material.h"
 #include "runtime/clients/studio/own_graphs.h"
@@ -30,6 +34,34 @@ std::string file_name(const std::string& sent) {
   return name;
 }
 
+void add_bundle_routes(LocalServer& server, LiveGraph& live, const Registry& registry,
+                       const StudioStart& start) {
+  using In = httplib::Request;
+  using Out = httplib::Response;
+  auto& http = server.http();
+  http.Get("/api/bundle_picture", server.handler([&start](const In& in, const json&, Out& out) {
+    const auto bytes = read_bundle_preview(start.workspace.resolve(in.get_param_value("file")));
+    if (!bytes) throw Error("no-file", "the bundle has no picture");
+    out.set_content(*bytes, bytes->starts_with("\x89PNG") ? "image/png" : "image/jpeg");
+  }));
+  http.Post("/api/share", server.handler([&](const In&, const json& body, Out& out) {
+    fs::path file = start.workspace.resolve(body.at("file").get<std::string>());
+    if (file.extension() != ".zip") file += ".zip";
+    if (fs::exists(fs::symlink_status(file)))
+      throw Error("file-exists", "'" + file.string() + "' exists already", "choose another name");
+    BundleRequest request = live.bundle_request();
+    request.license = body.value("license", "");
+    request.source = body.value("source", "");
+    const TemporaryFolder pictures(fs::temp_directory_path());
+    if (const std::string picture = body.value("picture", ""); !picture.empty()) {
+      request.preview = pictures.path() / "preview.png";
+      write_image(request.preview, live.value(picture).as<Image>());
+    }
+    write_bundle(file, request, registry);
+    LocalServer::answer(out, {{"file", file.string()}});
+  }));
+}
+
 }  // namespace
 
 void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& registry,
@@ -37,6 +69,7 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
   using In = httplib::Request;
   using Out = httplib::Response;
   auto& http = server.http();
+  add_bundle_routes(server, live, registry, start);
   const auto welcome = std::make_shared<std::atomic<bool>>(start.welcome);
   const auto open = [&live, &start, welcome](Document document, bool discard, Out& out) {
     const std::string file = document.file().string();
@@ -48,28 +81,40 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     json list = json::array();
     for (const auto& m : materials())
       list.push_back({{"name", m.name}, {"title", m.title}, {"doc", m.doc}, {"picture", !m.picture.empty()}});
-    json own = json::array();
-    for (const auto& g : own_graphs(start.workspace))
+    json graphs = json::array(), bundles = json::array();
+    const OwnFiles own = own_files(start.workspace);
+    for (const auto& g : own.graphs)
       if (find_invalid_utf8(g.file) == std::string::npos)
-        own.push_back({{"file", g.file}, {"changed", g.changed}});
+        graphs.push_back({{"file", g.file}, {"changed", g.changed}});
+    for (const auto& b : own.bundles)
+      if (find_invalid_utf8(b.file) == std::string::npos)
+        bundles.push_back({{"file", b.file}, {"title", b.title}, {"doc", b.doc}, {"picture", b.picture}});
     LocalServer::answer(out, {{"welcome", welcome->load()},
                               {"folder", start.workspace.folder().string()},
                               {"materials", list},
-                              {"graphs", own}});
+                              {"graphs", graphs},
+                              {"bundles", bundles}});
   }));
   http.Get("/api/picture/([a-z0-9_]{1,80})", server.handler([](const In& in, const json&, Out& out) {
     const auto bytes = read_file(material(in.matches[1]).picture);
     if (!bytes) throw Error("no-file", "the material has no picture");
     out.set_content(*bytes, "image/jpeg");
   }));
-  http.Post("/api/open", server.handler([&start, open](const In&, const json& body, Out& out) {
-    if (body.contains("graph")) {
-      const fs::path file = start.workspace.resolve(body["graph"].get<std::string>());
-      return open(Document(file), body.value("discard", false), out);
-    }
-    const Material m = material(body.at("material").get<std::string>());
-    open(Document(m.file, true), body.value("discard", false), out);
-  }));
+  http.Post("/api/open",
+            server.handler([&start, &live, &registry, open](const In&, const json& body, Out& out) {
+              if (body.contains("bundle")) {
+                const bool discard = body.value("discard", false);
+                if (!discard) live.require_saved();
+                const fs::path bundle = start.workspace.resolve(body["bundle"].get<std::string>());
+                return open(Document(graph_of_bundle(bundle, bundle.parent_path(), registry)), discard, out);
+              }
+              if (body.contains("graph")) {
+                const fs::path file = start.workspace.resolve(body["graph"].get<std::string>());
+                return open(Document(file), body.value("discard", false), out);
+              }
+              const Material m = material(body.at("material").get<std::string>());
+              open(Document(m.file, true), body.value("discard", false), out);
+            }));
   http.Post(
       "/api/photograph", server.upload_handler([&start, &live, open](const In& in, const json&, Out& out) {
         const bool discard = in.get_param_value("discard") == "true";

@@ -1,7 +1,7 @@
 import { WroteFiles } from './files';
 import { secondsText } from './format';
 import { progressText } from './progress';
-import { SaveAs } from './start';
+import { SaveAs, Share } from './start';
 import { post, priceText, save, showStart, useStore } from './store';
 import { useProgress } from './waiting';
 
@@ -31,6 +31,7 @@ export function Bar() {
         <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
         <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
         <button disabled={!doc} onClick={() => useStore.setState({ savingAs: true })} title="Save under another name">Save as…</button>
+        <button disabled={!doc} onClick={() => useStore.setState({ sharing: true, shared: '' })} title="One .zip of the material with all that it reads">Share…</button>
       </div>
       {run.running && <div className="share" aria-hidden="true"><i style={{ width: `${100 * Math.min(progress.share, 0.99)}%` }} /></div>}
       <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status" title={status}>{status}</span>
@@ -55,11 +56,13 @@ export function Notices() {
   const doc = useStore(s => s.doc);
   const trouble = useStore(s => s.trouble);
   const runTrouble = useStore(s => s.run.trouble);
-  const savingAs = useStore(s => s.savingAs);
+  const savingAs = useStore(s => s.savingAs), sharing = useStore(s => s.sharing), shared = useStore(s => s.shared);
   const dismiss = () => useStore.setState({ trouble: null });
   return (
     <div className="notices" aria-live="polite">
       {savingAs && <SaveAs key={doc?.file} />}
+      {sharing && <Share key={`share ${doc?.file}`} />}
+      {shared && <p><b>Wrote {shared}</b><button onClick={() => useStore.setState({ shared: '' })}>Dismiss</button></p>}
       {doc?.recovered && (
         <p><b>An earlier session left unsaved changes.</b>
           <button onClick={() => void post('/api/recover', { use: true })}>Restore them</button>

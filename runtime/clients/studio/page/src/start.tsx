@@ -1,6 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { type Advice, type Content, openGraph, openMaterial, post, recommended, upload, useStore } from './store';
+import { followed } from './follow';
+import { type Advice, type Content, openBundle, openGraph, openMaterial, post, recommended, shownDoc, upload, useStore, valueOf } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 
@@ -84,6 +85,16 @@ export function Start() {
             {info.graphs.map(g => <li key={g.file}><button onClick={() => void openGraph(g.file)}><b>{g.file}</b><time>{new Date(g.changed * 1000).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' })}</time></button></li>)}
           </ul>
         </>}
+        {!!info?.bundles.length && <>
+          <h2>Bundles in {info.folder}</h2>
+          <ul className="materials" aria-label="Bundles">
+            {info.bundles.map(b => (
+              <li key={b.file}><button onClick={() => void openBundle(b.file)} title={`${b.file}${b.doc && `\n${b.doc}`}`}>
+                {b.picture ? <img src={`/api/bundle_picture?${new URLSearchParams({ file: b.file })}`} alt="" /> : <i />}
+                <b>{b.title}</b></button></li>
+            ))}
+          </ul>
+        </>}
         <h2>Materials that come with Terrazzo</h2>
         <ul className="materials">
           {info?.materials.map(m => (
@@ -110,6 +121,34 @@ export function SaveAs() {
       <label>Save as {folder}/<input value={name} autoFocus spellCheck={false} size={40} onChange={e => setName(e.target.value)}
         onKeyDown={e => { if (e.key === 'Escape') close(); }} /></label>
       <button className="primary">Save</button><button type="button" onClick={close}>Cancel</button>
+    </form>
+  );
+}
+
+// Writes the material as a bundle, with the picture in view.
+export function Share() {
+  const doc = useStore(s => s.doc), folder = useStore(s => s.start?.folder ?? '');
+  const [name, setName] = useState(() => `${stem(doc?.file.split('/').pop() ?? 'material')}.zip`), [license, setLicense] = useState(''), [source, setSource] = useState('');
+  const [busy, setBusy] = useState(false);
+  const picture = useStore(s => {
+    const at = followed(s), node = at && shownDoc(s)?.nodes.find(n => n.name === at.node);
+    const value = node && valueOf(node, at!.port, s.nodes);
+    return value?.type === 'Image' ? value.hash : '';
+  });
+  const close = () => useStore.setState({ sharing: false });
+  const write = async () => {
+    setBusy(true);
+    const file = name.endsWith('.zip') ? name : `${name}.zip`;
+    if (await post('/api/share', { file, license, source, picture })) useStore.setState({ sharing: false, shared: `${folder}/${file}` });
+    else setBusy(false);
+  };
+  return (
+    <form className="save" aria-label="Share" onSubmit={e => { e.preventDefault(); void write(); }} onKeyDown={e => { if (e.key === 'Escape') close(); }}>
+      <label>Share as {folder}/<input value={name} autoFocus spellCheck={false} size={26} onChange={e => setName(e.target.value)} /></label>
+      <label>License <input value={license} size={14} placeholder="such as CC BY 4.0" onChange={e => setLicense(e.target.value)} /></label>
+      <label>Source <input value={source} size={22} placeholder="who took the pictures" onChange={e => setSource(e.target.value)} /></label>
+      <button className="primary" disabled={busy || !doc?.valid}>{busy ? 'Writing…' : 'Write the bundle'}</button><button type="button" onClick={close}>Cancel</button>
+      <em>{picture ? 'With the picture of the material' : 'Without a picture: none has been computed yet'}</em>
     </form>
   );
 }

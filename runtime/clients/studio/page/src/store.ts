@@ -28,6 +28,8 @@ interface Store {
   starting: boolean; // the start page is shown
   picture: File | null; // to make a graph of
   savingAs: boolean;
+  sharing: boolean;
+  shared: string; // the bundle that was written last
   tool: string | null; // that is used in the picture
   dropper: Dropper | null; // that takes a color from a picture
   extra: string; // another view of the selected node than that of its output, or ""
@@ -45,7 +47,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, line: null,
-  start: null, starting: false, picture: null, savingAs: false, tool: null, dropper: null, extra: '', reference: null, price: null,
+  start: null, starting: false, picture: null, savingAs: false, sharing: false, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
 }));
 const set = useStore.setState;
@@ -73,15 +75,17 @@ async function send(path: string, body: BodyInit, type: string, again?: () => vo
 }
 
 const opened = (done: boolean) => {
-  if (done) set({ starting: false, savingAs: false, picture: null, start: { ...useStore.getState().start!, welcome: false } });
+  if (done) set({ starting: false, savingAs: false, sharing: false, picture: null, start: { ...useStore.getState().start!, welcome: false } });
 };
 export const openMaterial = async (material: string, discard = false): Promise<void> =>
   opened(await post('/api/open', { material, discard }, () => void openMaterial(material, true)));
 export const openGraph = async (graph: string, discard = false): Promise<void> =>
   opened(await post('/api/open', { graph, discard }, () => void openGraph(graph, true)));
+export const openBundle = async (bundle: string, discard = false): Promise<void> =>
+  opened(await post('/api/open', { bundle, discard }, () => void openBundle(bundle, true)));
 // Shows the start page, with the graphs that are there now.
 export async function showStart(): Promise<void> {
-  useStore.setState({ starting: true, savingAs: false, picture: null });
+  useStore.setState({ starting: true, savingAs: false, sharing: false, picture: null });
   const answer = await fetch('/api/start').catch(() => null);
   if (answer?.ok) useStore.setState({ start: await answer.json() as StartInfo });
 }

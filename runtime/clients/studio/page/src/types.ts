@@ -35,6 +35,7 @@ export interface Doc {
 export interface StartInfo {
   welcome: boolean; folder: string; materials: { name: string; title: string; doc: string; picture: boolean }[];
   graphs: { file: string; changed: number }[]; // below the folder, newest first
+  bundles: { file: string; title: string; doc: string; picture: boolean }[]; // the same
 }
 export interface OutputValue { type: string; hash: string; bytes: number } // hash of a preview: "preview/NUMBER"
 export type StateWord = 'cached' | 'stale' | 'waiting' | 'running' | 'computed' | 'failed' | 'skipped' | 'canceled' | 'bypassed';

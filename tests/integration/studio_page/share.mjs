@@ -1,0 +1,78 @@
+// node share.mjs TERRAZZO FOLDER CHROMIUM: shares a material whose picture is elsewhere, opens the bundle from the start page, and edits it.
+// Prints the observed states as one JSON object.
+import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { launch, report, result, start, watch } from './session.mjs';
+
+const [, , program, folder, executablePath] = process.argv;
+mkdirSync(join(folder, 'work'));
+const graph = join(folder, 'work', 'two.yaml');
+writeFileSync(graph, `# kept
+terrazzo: 1
+name: Two pictures
+nodes:
+  photo: {type: LoadImage, params: {path: ${join(folder, 'photo.png')}}}
+  sheet: {type: ContactSheet, inputs: {images: photo.image}, params: {cell: 300}}
+  preview: {type: Export, inputs: {image: sheet.image}, params: {path: preview.png}}
+`);
+const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: join(folder, 'work') });
+await report(server, async () => {
+  const browser = await launch(executablePath);
+  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'light' });
+  page.setDefaultTimeout(60000);
+  const { card, until, idle, check } = watch(page);
+  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  await page.goto(address);
+  const before = (await idle()).nodes.sheet.outputs.image.hash;
+
+  await page.click('button:text-is("Share…")');
+  const name = page.locator('form[aria-label=Share] input').first();
+  result.offered = await name.inputValue();
+  await page.fill('form[aria-label=Share] input[placeholder^="such as"]', 'CC BY 4.0');
+  await page.fill('form[aria-label=Share] input[placeholder^="who"]', 'A quarry');
+  await page.waitForSelector('form[aria-label=Share] em:has-text("With the picture")');
+  await shot('share');
+  await check('share');
+  await page.click('text=Write the bundle');
+  await page.waitForSelector('.notices p:has-text("Wrote")');
+  result.wrote = existsSync(join(folder, 'work', 'two.zip'));
+  await page.click('.notices >> text=Dismiss');
+
+  // A name that is taken is refused, and the form stays.
+  await page.click('button:text-is("Share…")');
+  await page.click('text=Write the bundle');
+  await page.waitForSelector('.notices .bad');
+  result.refused = await page.textContent('.notices .bad b');
+  result.errors.splice(0); // the refused request, which the browser logs
+  await page.click('.notices >> text=Dismiss');
+  await page.press('form[aria-label=Share] input', 'Escape');
+
+  // The photograph is gone, and the bundle opens from the start page, as a graph to work on.
+  renameSync(join(folder, 'photo.png'), join(folder, 'gone.png'));
+  await page.click('text=New or open…');
+  const bundle = page.locator('[aria-label=Bundles] button');
+  await bundle.first().waitFor();
+  await page.waitForFunction(() => document.querySelector('[aria-label=Bundles] img')?.naturalWidth > 0);
+  result.bundles = await bundle.allTextContents();
+  await shot('start_bundles');
+  await check('start');
+  await bundle.first().click();
+  await until('the copy is open', s => s.document.file === join(folder, 'work', 'two', 'two.yaml'));
+  const s = await idle();
+  result.same = s.nodes.sheet.outputs.image.hash === before;
+  result.text = s.document.text;
+  result.notes = readFileSync(join(folder, 'work', 'two', 'NOTES.md'), 'utf8');
+  await card('sheet').click();
+  await page.fill('#field-cell', '100');
+  await page.press('#field-cell', 'Enter');
+  await until('the copy is edited', s => /cell: 100/.test(s.document.text));
+  await page.keyboard.press('Control+s');
+  await until('the copy is saved', s => s.document.saved);
+
+  // Opened again, the bundle is the copy, with what was changed.
+  await page.click('text=New or open…');
+  await bundle.first().waitFor();
+  result.still = await bundle.count();
+  await bundle.first().click();
+  result.again = /cell: 100/.test((await until('the copy is there', s => s.document.file.endsWith('two/two.yaml'))).document.text);
+});
