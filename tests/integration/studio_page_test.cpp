@@ -313,6 +313,42 @@ TEST_F(StudioPage, SharesAMaterialAndOpensIt) {
   EXPECT_EQ(r["still"], 1);
 }
 
+// Values that come from parameters of the graph, and parameters made of values.
+TEST_F(StudioPage, MakesParametersOfTheGraph) {
+  const auto run = test::run_command(
+      {"timeout", "200", "node", "parameters.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["shown"], "3");
+  EXPECT_EQ(r["label"], "seed = grain");
+  EXPECT_EQ(r["reads"], true);
+  EXPECT_EQ(r["made"][0],
+            "  width: {type: int, default: 96, doc: Width of the picture, unit: pixels, min: 1, max: 16384}");
+  EXPECT_NE(r["made"][1].get<std::string>().find("width: \"${width}\""), std::string::npos) << r["made"];
+  EXPECT_EQ(r["own"], "params: {kind: marble, axis: z, width: 96, height: 64, seed: 5}");
+  EXPECT_EQ(r["varied"], "photo.height");
+}
+
+// A subgraph becomes nodes that can be edited.
+TEST_F(StudioPage, CopiesASubgraphIntoTheGraph) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "subgraph.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["names"], nlohmann::json({"photo", "sheet", "veins_photo", "phases"}));
+  const std::string text = r["text"];
+  for (const char* part : {"# kept", "# by gray level", "seed: 4", "images: [photo.image, veins_photo.image]",
+                           "outputs: {labels: phases.labels}"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+  EXPECT_EQ(r["ran"], nlohmann::json::array());
+  EXPECT_EQ(r["same"], true);
+  EXPECT_EQ(r["undone"], true);
+}
+
 // Names that can be read, outputs as one card, a graph that stays where it is, wires, and files that are no
 // photographs.
 TEST_F(StudioPage, ShowsLegibleGraphs) {

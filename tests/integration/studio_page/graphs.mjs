@@ -190,7 +190,8 @@ await report(server, async () => {
   await page.keyboard.press('Escape');
 
   // `Save as` belongs to the page on which it was opened, and a text is no photograph.
-  await page.click('button:text-is("Save as…")');
+  await page.click('[aria-label="More to do with the file"]');
+  await page.click('[role=menuitem]:has-text("Save as…")');
   await page.waitForSelector('form.save');
   const files = await page.evaluateHandle(() => {
     const files = new DataTransfer();

@@ -25,7 +25,8 @@ await report(server, async () => {
   await page.goto(address);
   const before = (await idle()).nodes.sheet.outputs.image.hash;
 
-  await page.click('button:text-is("Share…")');
+  await page.click('[aria-label="More to do with the file"]');
+  await page.click('[role=menuitem]:has-text("Share…")');
   const name = page.locator('form[aria-label=Share] input').first();
   result.offered = await name.inputValue();
   await page.fill('form[aria-label=Share] input[placeholder^="such as"]', 'CC BY 4.0');
@@ -39,7 +40,8 @@ await report(server, async () => {
   await page.click('.notices >> text=Dismiss');
 
   // A name that is taken is refused, and the form stays.
-  await page.click('button:text-is("Share…")');
+  await page.click('[aria-label="More to do with the file"]');
+  await page.click('[role=menuitem]:has-text("Share…")');
   await page.click('text=Write the bundle');
   await page.waitForSelector('.notices .bad');
   result.refused = await page.textContent('.notices .bad b');

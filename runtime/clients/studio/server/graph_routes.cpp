@@ -8,6 +8,8 @@
 
 #include "graph/document/paste_nodes.h"
 #include "graph/text/read_number.h"
+#include "runtime/clients/studio/live/expand_subgraph.h"
+#include "runtime/clients/studio/live/graph_parameter.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/json_text.h"
 
@@ -82,7 +84,7 @@ std::vector<Edit> edits_of(const json& list) {
 
 Places places_of(const json& body) { return body.value("places", Places()); }
 
-void add_graph_routes(LocalServer& server, LiveGraph& live) {
+void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& registry) {
   using In = httplib::Request;
   using Out = httplib::Response;
   auto& http = server.http();
@@ -102,6 +104,23 @@ void add_graph_routes(LocalServer& server, LiveGraph& live) {
       d.replace(std::move(p.text), places);
     });
     LocalServer::answer(out, {{"number", live.events().last()}, {"names", names}});
+  }));
+  http.Post("/api/promote", server.handler([&live, &registry](const In&, const json& body, Out& out) {
+    std::string name;
+    live.change([&](Document& d) {
+      NewGraphParameter made =
+          with_graph_parameter(d.read(), d.file(), registry, body.at("node").get<std::string>(),
+                               body.at("name").get<std::string>());
+      name = made.name;
+      d.replace(std::move(made.text));
+    });
+    LocalServer::answer(out, {{"number", live.events().last()}, {"name", name}});
+  }));
+  http.Post("/api/expand", server.handler([&live, &registry](const In&, const json& body, Out& out) {
+    live.change([&](Document& d) {
+      d.replace(expand_subgraph(d.read(), d.file(), body.at("node").get<std::string>(), registry));
+    });
+    LocalServer::answer(out, {{"number", live.events().last()}});
   }));
   http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
     LocalServer::answer(out, live.history());

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/document/edit_document.h"
+#include "graph/registry.h"
 #include "runtime/clients/studio/live/arrangement.h"
 
 namespace terrazzo::studio {
@@ -19,6 +20,6 @@ std::vector<Edit> edits_of(const nlohmann::json&);
 // Where a request puts nodes that it adds, if it says so.
 Places places_of(const nlohmann::json& body);
 
-void add_graph_routes(LocalServer&, LiveGraph&);
+void add_graph_routes(LocalServer&, LiveGraph&, const Registry&);
 
 }  // namespace terrazzo::studio

@@ -185,7 +185,7 @@ struct StudioServer::Impl {
     change("/api/reload", [](Document& d, const json&) { d.reload(); });
     change("/api/recover", [](Document& d, const json& body) { d.recover(body.at("use").get<bool>()); });
     add_start_routes(server, live, registry, start);
-    add_graph_routes(server, live);
+    add_graph_routes(server, live, registry);
     post("/api/run",
          [this](const json& body) { live.evaluate(body.value("targets", std::vector<std::string>{})); });
     post("/api/view", [this](const json& body) { live.show(body.at("node").get<std::string>()); });

@@ -1,5 +1,6 @@
 import { WroteFiles } from './files';
 import { secondsText } from './format';
+import { MenuButton } from './menu';
 import { progressText } from './progress';
 import { SaveAs, Share } from './start';
 import { post, priceText, save, showStart, useStore } from './store';
@@ -30,8 +31,10 @@ export function Bar() {
         <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
         <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
         <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
-        <button disabled={!doc} onClick={() => useStore.setState({ savingAs: true })} title="Save under another name">Save as…</button>
-        <button disabled={!doc} onClick={() => useStore.setState({ sharing: true, shared: '' })} title="One .zip of the material with all that it reads">Share…</button>
+        <MenuButton label="More to do with the file" text="More" items={[
+          { label: 'Save as…', act: () => useStore.setState({ savingAs: true, sharing: false }) },
+          { label: 'Share…', act: () => useStore.setState({ sharing: true, savingAs: false, shared: '' }) },
+        ]} />
       </div>
       {run.running && <div className="share" aria-hidden="true"><i style={{ width: `${100 * Math.min(progress.share, 0.99)}%` }} /></div>}
       <span className={`status ${errors || failed || !online ? 'bad' : run.running ? 'busy' : ''}`} role="status" title={status}>{status}</span>

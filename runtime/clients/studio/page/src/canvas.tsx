@@ -11,7 +11,7 @@ import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
 import { Search, type SearchAt } from './search';
-import { bypass, declarationOf, edit, enter, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { bypass, declarationOf, edit, enter, post, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
 
 const nodeTypes = { node: NodeCard, note: NoteCard, files: FilesCard };
@@ -368,7 +368,8 @@ export function Canvas() {
         {scope ? (
           <nav aria-label="Subgraph"><button onClick={() => void enter('')}>{root?.name || 'Graph'}</button>
             {steps.map((name, k) => <span key={k}> › <button aria-current={k === steps.length - 1} onClick={() => void enter(steps.slice(0, k + 1).join('/'))}>{name}</button></span>)}
-            <em> {doc?.file.split('/').pop()}, read only</em></nav>
+            <em> {doc?.file.split('/').pop()}, read only</em>
+            {steps.length === 1 && <button className="primary" title="Replace the subgraph by copies of its nodes, which you can edit; Undo returns" onClick={() => void post('/api/expand', { node: scope }).then(done => { if (done) void enter(''); })}>Copy into this graph</button>}</nav>
         ) : <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
         <button onClick={() => { arrangeAll(false); refit(); }} title="Arrange all nodes (L)">Arrange</button>
         <button onClick={() => fit(150)} title="Show all nodes (F)">Fit</button>

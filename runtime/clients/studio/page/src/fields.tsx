@@ -33,7 +33,7 @@ export function useSender(send: Send) {
 }
 
 // `price` receives the value that would be sent, and null once it was sent or dropped.
-export function Field({ spec, value, send, price, files = [], found }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[]; found?: string | null }) {
+export function Field({ spec, value, send, price, files = [], found, from }: { spec: FieldSpec; value: Written; send: Send; price?: (v: Written | null) => void; files?: string[]; found?: string | null; from?: string }) {
   const [draft, setDraft] = useState<string | null>(null);
   const sender = useSender(send);
   const drag = useRef<{ x: number; start: number; step: number } | null>(null);
@@ -65,6 +65,7 @@ export function Field({ spec, value, send, price, files = [], found }: { spec: F
       onPointerMove={e => { if (drag.current && Math.abs(e.clientX - drag.current.x) > 2) move(drag.current.start + (e.clientX - drag.current.x) * drag.current.step); }}
       onPointerUp={() => { drag.current = null; price?.(null); }}>
       {spec.name}{spec.unit && <small> {spec.unit}</small>}
+      {from && <small className="from" title={`The value of the graph's parameter ${from}, which a change here changes`}> = {from}</small>}
     </label>
   );
   const isReference = text.includes('${');

@@ -5,6 +5,7 @@ import { Field } from './fields';
 import { bytesText, numberText, secondsText } from './format';
 import { readerOf, useFoundColor } from './found';
 import { Inputs } from './inputs';
+import { MenuButton, openMenu } from './menu';
 import { FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
 import { askPrice, bypass, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
@@ -109,9 +110,30 @@ function PriceLine() {
   return price && <em className="price">{priceText(price)}</em>;
 }
 
-// Fields of colors show what was found where they say auto.
+// The parameter of the graph that a value stands for.
+const referenceIn = (value: Written, doc: Doc | null) => {
+  const name = /^\$\{([^}]+)\}$/.exec(String(value))?.[1];
+  return doc?.parameters.find(p => p.name === name);
+};
+
+// Fields of colors show what was found where they say auto, and fields that read a parameter of the graph show and change that.
 function NodeField({ node, ...field }: { node: DocNode } & Parameters<typeof Field>[0]) {
-  return <Field {...field} found={useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name)} />;
+  const doc = useStore(s => (s.scope ? null : s.doc)), found = useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name);
+  const from = referenceIn(field.value, doc);
+  if (!from) return <Field {...field} found={found} />;
+  const change = (value: Written) => [{ op: 'set_default', name: from.name, value }];
+  return <Field {...field} found={found} from={from.name} value={from.value} send={(value, merge) => edit(change(value), merge)} price={value => void askPrice(value === null ? null : change(value))} />;
+}
+
+// What else can be done with a parameter of a node.
+function FieldMenu({ node, spec, value }: { node: DocNode; spec: Parameter; value: Written }) {
+  const doc = useStore(s => s.doc), from = referenceIn(value, doc);
+  const vary = () => useStore.setState({ drawer: 'variants', vary: from ? from.name : `${node.name}.${spec.name}` });
+  return <MenuButton label={`More for ${spec.name}`} items={[
+    { label: 'Show variants', act: vary },
+    from ? { label: 'Give it a value of its own', act: () => void edit([{ op: 'set', node: node.name, name: spec.name, value: from.value }]) }
+      : { label: 'Make it a parameter of the graph', act: () => void post('/api/promote', { node: node.name, name: spec.name }) },
+  ]} />;
 }
 
 function GraphField({ doc, ...field }: { doc: Doc } & Parameters<typeof Field>[0]) {
@@ -144,12 +166,13 @@ function NodeInspector({ node }: { node: DocNode }) {
           if (p.kind === 'texts' && Array.isArray(items) && isPalette(items)) return <PaletteEditor key={`${node.name}.${p.name}`} node={node} declaration={declaration} spec={p} items={items} />;
           if (p.kind === 'texts' && Array.isArray(own?.value)) return <Items key={`${node.name}.${p.name}`} node={node} spec={p} items={own.value} />;
           return (
-            <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`}>
+            <div key={`${node.name}.${p.name}`} className={`field${own ? ' own' : ''}`} onContextMenu={openMenu}>
               <NodeField node={node} spec={p} value={items}
                 send={(value, merge) => edit([{ op: 'set', node: node.name, name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
                 price={value => void askPrice(value === null ? null : [{ op: 'set', node: node.name, name: p.name, value }])} />
               {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
                 onClick={() => void edit([{ op: 'reset', node: node.name, name: p.name }])}>×</button> : <span />}
+              {!inside && <FieldMenu node={node} spec={p} value={items} />}
             </div>
           );
         })}
@@ -171,9 +194,10 @@ function GraphInspector() {
       {doc.parameters.length > 0 && <h2>Parameters of the graph <PriceLine /></h2>}
       <div className="fields">
         {doc.parameters.map(p => (
-          <div key={p.name} className="field own">
+          <div key={p.name} className="field own" onContextMenu={openMenu}>
             <GraphField doc={doc} spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
               price={value => void askPrice(value === null ? null : [{ op: 'set_default', name: p.name, value }])} /><span />
+            <MenuButton label={`More for ${p.name}`} items={[{ label: 'Show variants', act: () => useStore.setState({ drawer: 'variants', vary: p.name }) }]} />
           </div>
         ))}
       </div>

@@ -23,6 +23,7 @@ interface Store {
   trouble: Trouble | null;
   drawer: 'none' | 'yaml' | 'messages' | 'history' | 'files' | 'variants';
   variants: Variants | null; // of a result, side by side
+  vary: string; // the parameter that was chosen for them last
   line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
   starting: boolean; // the start page is shown
@@ -46,7 +47,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
-  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, line: null,
+  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, vary: '', line: null,
   start: null, starting: false, picture: null, savingAs: false, sharing: false, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
 }));
@@ -198,7 +199,8 @@ function listen(uses: Map<string, (data: never) => void>) {
 
 // Opens a subgraph by the path of its node; "" is the document itself. Its file may have changed.
 export async function enter(scope: string): Promise<void> {
-  if (!scope) return useStore.getState().inside ? set({ scope: '', inside: null, selected: null }) : undefined;
+  const there = useStore.getState().doc?.nodes.some(n => n.graph && n.name === scope.split('/')[0]);
+  if (!scope || !there) return useStore.getState().inside ? set({ scope: '', inside: null, selected: null }) : undefined;
   const answer = await fetch(`/api/subgraph?path=${encodeURIComponent(scope)}`);
   if (!answer.ok) {
     if (useStore.getState().scope) set({ scope: '', inside: null, selected: null });

@@ -100,19 +100,20 @@ export function VariantsPanel() {
     const node = shown && shownDoc(s)?.nodes.find(n => n.name === shown.node);
     return node && shown!.port ? placeOf(node, shown!.port, s.nodes) ?? null : null;
   }, (a, b) => a?.path === b?.path && a?.port === b?.port);
-  const [target, setTarget] = useState(variants?.target ?? ''), [values, setValues] = useState(variants?.values ?? ''), [size, setSize] = useState(170);
+  const chosen = useStore(s => s.vary), target = chosen || (variants?.target ?? '');
+  const [typed, setTyped] = useState({ target: variants?.target ?? '', values: variants?.values ?? '' }), [size, setSize] = useState(170);
   if (!doc) return null;
   const choices = choicesOf(doc, types, (shown?.node ?? '').split('/')[0]), groups = [...new Set(choices.map(c => c.group))];
   const seed = choices.find(c => /(^|\.)seed$/.test(c.target)) ?? choices[0];
-  const choice = choices.find(c => c.target === target) ?? seed, list = values || (choice ? suggested(choice, doc) : '');
+  const choice = choices.find(c => c.target === target) ?? seed, list = (typed.target === choice?.target && typed.values) || (choice ? suggested(choice, doc) : '');
   const known = variants && choices.find(c => c.target === variants.target);
   const finished = variants?.tiles.filter(t => t.state === 'done' || t.state === 'failed').length ?? 0;
   return (
     <section className="drawer variants" aria-label="Variants" style={{ '--tile': `${size}px` } as React.CSSProperties}>
       <form onSubmit={e => { e.preventDefault(); if (place && choice) void post('/api/variants', { target: choice.target, values: list, node: place.path, port: place.port }); }}>
-        <label>Vary <select value={choice?.target ?? ''} onChange={e => { setTarget(e.target.value); setValues(''); }}>
+        <label>Vary <select value={choice?.target ?? ''} onChange={e => useStore.setState({ vary: e.target.value })}>
           {groups.map(g => <optgroup key={g} label={g}>{choices.filter(c => c.group === g).map(c => <option key={c.target} value={c.target}>{c.target}</option>)}</optgroup>)}</select></label>
-        <label>Values <input value={list} size={26} spellCheck={false} title="A list such as 1, 2, 3, or a range such as 0.2:0.5:0.1" onChange={e => setValues(e.target.value)} /></label>
+        <label>Values <input value={list} size={26} spellCheck={false} title="A list such as 1, 2, 3, or a range such as 0.2:0.5:0.1" onChange={e => setTyped({ target: choice?.target ?? '', values: e.target.value })} /></label>
         {variants?.running ? <button type="button" onClick={() => void post('/api/variants/cancel')}>Cancel variants</button>
           : <button className="primary" disabled={!place || !choice || !list.trim() || !doc.valid}>Show variants</button>}
         <em role="status">{variants ? `${variants.node}.${variants.port}: ${finished} of ${variants.tiles.length}${variants.running ? left(variants) : ''}` : place ? `of ${place.path}.${place.port}` : 'Show a result first'}</em>
