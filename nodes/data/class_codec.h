@@ -11,9 +11,11 @@
 namespace terrazzo {
 
 // `Element` has a member int cls, −1 without a class.
+// `always`: something else follows.
 template <class Element>
-void encode_classes(const std::vector<Element>& elements, Writer& w) {
-  if (std::all_of(elements.begin(), elements.end(), [](const auto& e) { return e.cls < 0; })) return;
+void encode_classes(const std::vector<Element>& elements, Writer& w, bool always = false) {
+  if (!always && std::all_of(elements.begin(), elements.end(), [](const auto& e) { return e.cls < 0; }))
+    return;
   std::vector<std::int32_t> classes;
   for (const auto& e : elements) classes.push_back(e.cls);
   w.array(classes);

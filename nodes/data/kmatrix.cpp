@@ -22,7 +22,8 @@ void encode(const KMatrix& v, Writer& w) {
             e.K.size() * sizeof(double));  // classes² numbers, column by column
     w.array(e.cdf);
   }
-  encode_classes(v.shapes, w);
+  encode_classes(v.shapes, w, have_trend(v.shapes));
+  if (have_trend(v.shapes)) encode_trends(v.shapes, w);
 }
 
 KMatrix decode_kmatrix(Reader& r) {
@@ -43,6 +44,7 @@ KMatrix decode_kmatrix(Reader& r) {
     e.cdf = r.array<double>();
   }
   decode_classes(v.shapes, r);
+  if (r.left() > 0) decode_trends(v.shapes, r);
   return v;
 }
 
@@ -63,6 +65,7 @@ nlohmann::json describe(const KMatrix& v) {
                     {"profiles_per_caliper", e.profiles_per_caliper},
                     {"K", std::move(rows)},
                     {"cdf", e.cdf}});
+    if (e.trend.power != 0) list.back()["trend"] = {e.trend.power, e.trend.size};
   }
   return {{"classes", v.classes},
           {"averaging", v.averaging},

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "nodes/data/size_trend.h"
 #include "runtime/value.h"
 
 namespace terrazzo {
@@ -14,6 +15,7 @@ namespace terrazzo {
 struct KMatrix {
   struct Entry {
     double probability = 1;       // fraction of all particles, by number
+    SizeTrend trend;              // of the probability
     int cls = -1;                 // color or particle class whose particles have this shape; −1: any
     double mean_caliper = 0;      // mm, at scale 1
     double max_section_area = 0;  // mm², at scale 1

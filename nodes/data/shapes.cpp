@@ -20,7 +20,7 @@ bool is_painted(const Shapes& v) {
                      [](const Shape& s) { return !s.color.empty() || !s.uv.empty(); });
 }
 
-// What was traced follows colors and coordinates, again only if there is any.
+// What was traced follows colors and coordinates, and trends follow that, again only if there are any.
 bool is_traced(const Shapes& v) {
   return std::any_of(v.shapes.begin(), v.shapes.end(), [](const Shape& s) { return s.traced.profile != 0; });
 }
@@ -35,19 +35,20 @@ void encode(const Shapes& v, Writer& w) {
     w.raw_array(s.mesh.vertices);
     w.raw_array(s.mesh.triangles);
   }
-  if (!is_painted(v) && !is_traced(v)) return encode_classes(v.shapes, w);
-  std::vector<std::int32_t> classes;
-  for (const Shape& s : v.shapes) classes.push_back(s.cls);
-  w.array(classes);
+  const bool trends = have_trend(v.shapes);
+  const bool more = is_painted(v) || is_traced(v) || trends;
+  encode_classes(v.shapes, w, more);
+  if (!more) return;
   for (const Shape& s : v.shapes) {
     w.raw_array(s.color);
     w.raw_array(s.uv);
   }
-  if (!is_traced(v)) return;
+  if (!is_traced(v) && !trends) return;
   for (const Shape& s : v.shapes) {
     w.pod(s.traced.profile), w.pod(s.traced.turn);
     w.bytes(s.traced.origin.data(), sizeof(double) * 2);
   }
+  if (trends) encode_trends(v.shapes, w);
 }
 
 Shapes decode_shapes(Reader& r) {
@@ -84,6 +85,7 @@ Shapes decode_shapes(Reader& r) {
     s.traced.turn = r.pod<double>();
     r.bytes(s.traced.origin.data(), sizeof(double) * 2);
   }
+  if (r.left() > 0) decode_trends(v.shapes, r);
   return v;
 }
 
@@ -105,6 +107,8 @@ nlohmann::json describe(const Shapes& v) {
     if (!v.shapes[i].color.empty()) list[i]["colors"] = v.shapes[i].color.size();
     if (!v.shapes[i].uv.empty()) list[i]["uv"] = v.shapes[i].uv.size();
     if (v.shapes[i].traced.profile != 0) list[i]["traced"] = v.shapes[i].traced.profile;
+    const SizeTrend& trend = v.shapes[i].trend;
+    if (trend.power != 0) list[i]["trend"] = {trend.power, trend.size};
   }
   return {{"shapes", std::move(list)}};
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "nodes/data/linear.h"
+#include "nodes/data/size_trend.h"
 #include "runtime/value.h"
 
 namespace terrazzo {
@@ -31,6 +32,7 @@ struct TracedStone {
 struct Shape {
   std::string name;
   double probability = 1;       // by number; the probabilities of a set sum to 1
+  SizeTrend trend;              // of the probability
   int cls = -1;                 // color or particle class whose particles have this shape; −1: any
   Mesh mesh;                    // centroid at the origin
   double volume = 0;            // mm³

@@ -114,6 +114,10 @@ void add_shape(std::string& text, const Shape& s) {
   };
   number("probability", s.probability);
   number("class", static_cast<std::int32_t>(s.cls));
+  if (s.trend.power != 0) {
+    text += ", \"trend\": ";
+    add_row(text, s.trend.power, s.trend.size);
+  }
   number("volume", s.volume);
   number("surface_area", s.surface_area);
   number("mean_caliper", s.mean_caliper);

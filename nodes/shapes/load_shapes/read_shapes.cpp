@@ -53,6 +53,11 @@ Shape shape_of(const JsonObject& o) {
   s.mean_caliper = o.number("mean_caliper", JsonObject::kSmallest);
   s.max_section_area = o.number("max_section_area", JsonObject::kSmallest);
   s.smooth = o.boolean("smooth");
+  if (o.has("trend")) {
+    const auto trend = o.vector<Vec2>("trend");
+    if (!(trend.y() > 0)) o.fail("the second number of the field trend, a size, must be above 0");
+    s.trend = {trend.x(), trend.y()};
+  }
   return s;
 }
 

@@ -141,6 +141,7 @@ std::string Candidates::text() const {
   add(too_small, "too small");
   add(faulty, "with a contour that crosses itself or encloses no area");
   add(other_class, "of other classes");
+  add(other_form, "of lobed particles");
   return parts;
 }
 
@@ -195,6 +196,8 @@ Candidates candidates_of(const Profiles& profiles, const CandidateOptions& optio
     work.check();
     if (o.area < least || out.outlines.size() == kMost) {
       ++out.too_small;
+    } else if (std::binary_search(options.without.begin(), options.without.end(), o.id)) {
+      ++out.other_form;
     } else if (!outline_fault(o.profile->contour).empty()) {
       ++out.faulty;
     } else {

@@ -16,6 +16,7 @@ struct Candidates {
   std::vector<Outline> outlines;  // by decreasing area
   int without_contour = 0, cut_by_border = 0, too_small = 0, faulty = 0, other_class = 0;
   int hidden = 0;            // partly, by other stones of a surface
+  int other_form = 0;        // excluded by CandidateOptions::without
   std::string text() const;  // "12 usable, 3 cut by the border, …"
 };
 
@@ -24,7 +25,8 @@ struct CandidateOptions {
   // Smallest √area, relative to the one that a tenth of the uncut profiles exceed: smaller sections seldom
   // pass near a particle's center.
   double smallest = 0.4;
-  double crease = 30;  // degrees
+  double crease = 30;        // degrees
+  std::vector<int> without;  // ids of profiles that are not used, ascending
 };
 
 // Uncut, simple contours of sufficient size. If contours are as fine as those of pixels (half of the largest

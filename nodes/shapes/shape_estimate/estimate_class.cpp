@@ -3,12 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/stereology/shape_measures.h"
 #include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/fit.h"
+#include "nodes/shapes/shape_estimate/form_by_size.h"
 #include "nodes/shapes/shape_estimate/from_above.h"
+#include "nodes/shapes/shape_estimate/lobed.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "nodes/shapes/shape_estimate/relief.h"
 #include "nodes/shapes/shape_estimate/self_intersections.h"
@@ -30,6 +35,7 @@ struct Chosen {
 };
 
 constexpr std::size_t kFitHands = 4;
+constexpr std::size_t kCompactLeast = 4;  // profiles of compact particles beside lobed ones
 
 // Shapes if `count` is auto: three bodies have the statistics of sections, but silhouettes are seen one by
 // one.
@@ -252,10 +258,49 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
   return out;
 }
 
+// Compact and lobed bodies, whose shares depend on the size, if the profiles tell both apart.
+std::optional<ClassEstimate> estimate_by_form(Context& c, const Profiles& profiles,
+                                              const CandidateOptions& options, const Work& work) {
+  const std::vector<Outline> all = candidates_of(profiles, options, work).outlines;
+  if (all.empty()) return {};
+  const ProfileMeasuring how = measuring_of(all);
+  const auto forms = forms_of(all, how);
+  if (!forms || all.size() - forms->not_compact.size() < kCompactLeast) return {};
+  CandidateOptions others = options;
+  others.without = forms->not_compact;
+  ClassEstimate out = estimate_class(c, profiles, others, work.part(0, 0.7));
+  std::vector<Shape> bodies;
+  const int count = c.optional_integer("count").value_or(kBodies);
+  for (Mesh& mesh : lobed_bodies(forms->large, how, count, c.seed(), work.part(0.7, 0.9)))
+    bodies.push_back(measure_shape(fmt::format("lobed {}", bodies.size() + 1), std::move(mesh), 1.0 / count,
+                                   work.quiet()));
+  std::vector<SeenProfile> seen;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    seen.push_back({std::sqrt(4 * all[i].area / std::numbers::pi), profiles.profiles[all[i].id - 1].weight,
+                    forms->lobed[i] != 0});
+  const LobedShare share = lobed_share(seen, out.shapes, bodies, how, work.part(0.9, 1));
+  if (!share.any) return {};
+  const double part = 1 / (1 + std::exp(-share.level));
+  for (Shape& s : out.shapes) s.probability *= 1 - part;
+  for (Shape& s : bodies) {
+    s.probability *= part;
+    s.trend = {share.trend, share.middle};
+    s.smooth = true;
+    out.triangles += s.mesh.triangles.size();
+    out.shapes.push_back(std::move(s));
+  }
+  out.usable = all.size();
+  out.lobed = part;
+  return out;
+}
+
 }  // namespace
 
 ClassEstimate estimate_class(Context& c, const Profiles& profiles, const CandidateOptions& options,
                              const Work& work) {
+  if (c.text("method") == "auto" && profiles.view != View::Surface && !c.keyword("profiles").empty() &&
+      options.without.empty())
+    if (auto out = estimate_by_form(c, profiles, options, work)) return *std::move(out);
   const EstimateMethod& method = chosen_method(c, profiles, options);
   const Chosen chosen = choose(c, profiles, method, options);
   const auto thickness = thickness_of(c, profiles, chosen);

@@ -19,6 +19,7 @@ struct ClassEstimate {
   std::size_t usable = 0;     // number of usable profiles
   double triangles = 0, self_intersections = 0;
   double deviation = -1;                      // of the methods that report one, otherwise −1
+  double lobed = 0;                           // share of lobed particles at the middle size
   double start_distance = -1, distance = -1;  // of method fit, otherwise −1
 };
 

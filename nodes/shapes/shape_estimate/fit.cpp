@@ -25,12 +25,6 @@ namespace {
 constexpr std::size_t kLeastPlanes = 144, kPlanesPerRound = 85, kMostPlanes = 512;
 constexpr std::size_t kLastPlanes = 1536;
 constexpr std::size_t kHands = 4;
-constexpr int kPoints = 128;  // as in ShapeMetrics
-// Blur of outlines, relative to their length: hides the triangles of a body and of an original, and what
-// segmentation does to an outline. In addition, a multiple of the smoothing that pixel steps need.
-constexpr double kMeshBlur = 0.0045, kFrayBlur = 0.009, kPixelBlur = 1.5;
-// The part of it that pixels and segmentation cause, in pixel steps.
-constexpr double kPixel = 0.55;
 constexpr int kGuesses = 96;  // number of starting bodies of each modeled family
 
 struct Start {
@@ -150,23 +144,16 @@ struct Observation {
 
 Observation observe(const std::vector<Outline>& all) {
   Observation observed;
-  observed.measuring.outline.points = kPoints;
-  std::vector<double> blurs, convexity;
+  observed.measuring = measuring_of(all);
+  std::vector<double> convexity;
   for (const Outline& o : all) {
-    blurs.push_back(o.blur);
     convexity.push_back(o.convexity);
     observed.sizes.push_back(std::sqrt(o.area));
   }
-  // If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur
-  // that sections of bodies get too. Then profiles that are far less convex than others are excluded as
-  // merged ones.
-  const double blur = kPixelBlur * median(std::move(blurs));
-  observed.measuring.blur = blur;
-  observed.measuring.pixel = kPixel / (kPixelBlur * kSmoothing) * blur;
-  observed.measuring.outline.blur = blur > 0 ? kFrayBlur : kMeshBlur;
+  // In a photograph, profiles that are far less convex than others are excluded as merged ones.
   std::sort(convexity.begin(), convexity.end());
   const double lower = convexity[convexity.size() / 4], upper = convexity[3 * convexity.size() / 4];
-  const double least_convex = blur > 0 ? lower - 3 * (upper - lower) : 0;
+  const double least_convex = observed.measuring.blur > 0 ? lower - 3 * (upper - lower) : 0;
 
   for (const Outline& o : all) {
     if (o.convexity < least_convex) continue;

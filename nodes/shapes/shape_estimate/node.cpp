@@ -98,6 +98,7 @@ void compute(Context& c) {
     all.triangles += e.triangles;
     all.self_intersections += e.self_intersections;
     all.deviation = std::max(all.deviation, e.deviation);
+    all.lobed = std::max(all.lobed, e.lobed);
     all.start_distance = std::max(all.start_distance, e.start_distance);
     all.distance = std::max(all.distance, e.distance);
   }
@@ -105,6 +106,7 @@ void compute(Context& c) {
   c.metric("shapes", shapes.shapes.size());
   c.metric("triangles", all.triangles);
   c.metric("self_intersections", all.self_intersections);
+  c.metric("lobed", all.lobed);
   if (all.deviation >= 0) c.metric("deviation", all.deviation);
   if (all.distance >= 0) {
     c.metric("start_distance", all.start_distance);
@@ -127,7 +129,8 @@ Parameter method_parameter() {
   names.push_back("auto");
   doc += fmt::format(
       " auto: inflation for a surface; fit with at least {} usable profiles of sections, otherwise "
-      "morphed_generalized_cylinder.",
+      "morphed_generalized_cylinder. If large particles are lobed and small ones are not, these are the "
+      "methods for the small ones, and the large ones get `count` bodies of lobes; shares depend on the size.",
       kFitEnough);
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
 }
@@ -139,7 +142,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 14)
+  return NodeType("ShapeEstimate", 15)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
           "silhouettes that a surface shows. How the sections of different particles are arranged in space "

@@ -7,21 +7,41 @@
 
 #include "nodes/common/geometry/mesh/loop.h"
 #include "nodes/common/geometry/mesh/mesh_section.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/random_sections.h"
 
 namespace terrazzo::shape_estimate {
 namespace {
 
+constexpr int kOutlinePoints = 128;  // as in ShapeMetrics
+constexpr double kMostBlur = 0.05;   // as OutlineMeasuring allows
+// Blur of outlines, relative to their length: hides the triangles of a body and of an original, and what
+// segmentation does to an outline. In addition, a multiple of the smoothing that pixel steps need.
+constexpr double kMeshBlur = 0.0045, kFrayBlur = 0.009, kPixelBlur = 1.5;
+// The part of it that pixels and segmentation cause, in pixel steps.
+constexpr double kPixel = 0.55;
+
+// Blur that an outline lacks, relative to its length.
+double further_blur(const Outline& o, const ProfileMeasuring& how) {
+  return std::sqrt(std::max(0.0, how.blur * how.blur - o.blur * o.blur)) / o.perimeter;
+}
+
+double convexity_of(const Loop& loop, OutlineMeasuring how, double more) {
+  how.blur = std::min(kMostBlur, std::hypot(how.blur, more));
+  const Loop points = measured_points(loop, how);
+  const double hull = hull_area(points);
+  return hull > 0 ? std::min(1.0, loop_area(points) / hull) : 1;
+}
+
 // Features of an outline that is blurred by `more`, and inscribed shares of one that is as sharp as the
 // photograph, blurred by `pixel`; both relative to its length.
 ProfileFeatures features_of(const Loop& soft, OutlineMeasuring how, double more, const Loop& sharp,
                             double pixel) {
-  constexpr double kMost = 0.05;  // as OutlineMeasuring allows
-  how.blur = std::min(kMost, std::hypot(how.blur, more));
+  how.blur = std::min(kMostBlur, std::hypot(how.blur, more));
   const OutlineFeatures outline = outline_features(soft, how);
   // Areas need fewer points than curvatures.
-  const auto shares =
-      inscribed_shares(measured_points(sharp, {.points = how.points / 2, .blur = std::min(kMost, pixel)}));
+  const auto shares = inscribed_shares(
+      measured_points(sharp, {.points = how.points / 2, .blur = std::min(kMostBlur, pixel)}));
   ProfileFeatures f;
   std::copy(outline.values.begin(), outline.values.end(), f.values.begin());
   std::copy(shares.begin(), shares.end(), f.values.begin() + kOutlineFeatures);
@@ -72,9 +92,29 @@ void drop_small(std::vector<CutProfile>& sections, double smallest) {
   std::erase_if(sections, [&](const CutProfile& s) { return s.root_area < smallest * large; });
 }
 
+ProfileMeasuring measuring_of(const std::vector<Outline>& all) {
+  std::vector<double> blurs;
+  for (const Outline& o : all) blurs.push_back(o.blur);
+  const double blur = kPixelBlur * median(std::move(blurs));
+  ProfileMeasuring out;
+  out.outline.points = kOutlinePoints;
+  out.outline.blur = blur > 0 ? kFrayBlur : kMeshBlur;
+  out.blur = blur;
+  out.pixel = kPixel / (kPixelBlur * kSmoothing) * blur;
+  return out;
+}
+
+double convexity_of(const Outline& o, const ProfileMeasuring& how) {
+  return convexity_of(o.soft.empty() ? o.points : o.soft, how.outline, further_blur(o, how));
+}
+
+double convexity_of(const CutProfile& s, double scale, const ProfileMeasuring& how) {
+  const double length = s.perimeter * scale;
+  return convexity_of(s.loop, how.outline, length > 0 ? how.blur / length : 0);
+}
+
 ProfileFeatures profile_features(const Outline& o, const ProfileMeasuring& how) {
-  const double more = std::sqrt(std::max(0.0, how.blur * how.blur - o.blur * o.blur));
-  return features_of(o.soft.empty() ? o.points : o.soft, how.outline, more / o.perimeter,
+  return features_of(o.soft.empty() ? o.points : o.soft, how.outline, further_blur(o, how),
                      o.traced.empty() ? o.points : o.traced, 0);
 }
 

@@ -43,7 +43,13 @@ struct ProfileMeasuring {
   // hides the rest. pixel: the part that the photograph itself has, without the smoothing of pixel steps.
   double blur = 0, pixel = 0;
 };
+// If pixel steps had to be smoothed, frayed outlines of segmentation are hidden as well, by a wider blur that
+// sections of bodies get too.
+ProfileMeasuring measuring_of(const std::vector<Outline>&);
 ProfileFeatures profile_features(const Outline&, const ProfileMeasuring&);
+// Area over that of the convex hull: of a profile, and of a section that is seen at `scale` mm per unit.
+double convexity_of(const Outline&, const ProfileMeasuring&);
+double convexity_of(const CutProfile&, double scale, const ProfileMeasuring&);
 
 // Profiles of isotropic uniform random planes. Each represents `weight` profiles.
 struct FeatureSample {

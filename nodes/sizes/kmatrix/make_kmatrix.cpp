@@ -47,6 +47,7 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
             : slice_statistics(shape, options.classes, options.orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();
     e.probability = shape.probability / total;
+    e.trend = shape.trend;
     e.cls = shape.cls;
     e.mean_caliper = s.mean_caliper;
     e.max_section_area = s.max_section_area;

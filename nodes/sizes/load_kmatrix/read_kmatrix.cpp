@@ -21,6 +21,11 @@ KMatrix::Entry entry_of(const JsonObject& o, int classes) {
   e.max_section_area = o.number("max_section_area", JsonObject::kSmallest);
   e.volume = o.number("volume", JsonObject::kSmallest);
   e.profiles_per_caliper = o.number("profiles_per_caliper", JsonObject::kSmallest);
+  if (o.has("trend")) {
+    const auto trend = o.vector<Eigen::Vector2d>("trend");
+    if (!(trend.y() > 0)) o.fail("the second number of the field trend, a size, must be above 0");
+    e.trend = {trend.x(), trend.y()};
+  }
   const std::size_t n = classes;
   const Json& rows = o.field("K");
   o.require_size("K", rows, n);

@@ -52,6 +52,17 @@ std::vector<double> division(double low, double high, const std::vector<double>&
   return inner;
 }
 
+// Mean volume of particles of a size, relative to its cube.
+double unit_volume(const KMatrix& k, double size) {
+  double total = 0, unit = 0;
+  for (const auto& e : k.shapes) {
+    const double weight = e.probability * e.trend.factor(size);
+    total += weight;
+    unit += weight * e.volume / std::pow(size_of(e), 3);
+  }
+  return unit / total;
+}
+
 // Mean height of lying stones relative to their size: that of ellipsoids with their volume and largest
 // section, which is their silhouette. 1 for balls.
 double relative_height(const KMatrix& k) {
@@ -65,16 +76,30 @@ double relative_height(const KMatrix& k) {
 
 }  // namespace
 
+std::vector<double> shape_shares(const KMatrix& k, double size) {
+  double total = 0;
+  std::vector<double> shares;
+  for (const auto& e : k.shapes) {
+    shares.push_back(e.probability * e.trend.factor(size));
+    total += shares.back();
+  }
+  for (double& share : shares) share /= total;
+  return shares;
+}
+
 Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profile_edges,
                              const std::vector<double>& size_edges, bool upper_edge, const Hiding* surface) {
   if (surface) return relative_height(k) * surface->matrix(profile_edges, size_edges);
-  double total = 0;
-  for (const auto& e : k.shapes) total += e.probability;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(profile_edges.size() - 1, size_edges.size() - 1);
-  for (const auto& e : k.shapes) {
+  std::vector<std::vector<double>> shares;
+  for (Eigen::Index j = 0; j < m.cols(); ++j)
+    shares.push_back(shape_shares(k, (size_edges[j] + size_edges[j + 1]) / 2));
+  for (std::size_t s = 0; s < k.shapes.size(); ++s) {
+    const auto& e = k.shapes[s];
     if (!(e.probability > 0)) continue;
     const double caliper = e.mean_caliper / size_of(e) * size_edges.back();
-    m += e.probability / total * caliper * size_kernel(e, profile_edges, size_edges, upper_edge);
+    const Eigen::MatrixXd kernel = size_kernel(e, profile_edges, size_edges, upper_edge);
+    for (Eigen::Index j = 0; j < m.cols(); ++j) m.col(j) += shares[j][s] * caliper * kernel.col(j);
   }
   return m;
 }
@@ -111,13 +136,9 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
                               "of {:.4g} mm or more, so their density cannot be estimated",
                               sizes[j], sizes[j + 1], smallest_visible),
                   "check the shapes, or lower smallest_visible");
-  double total = 0, unit = 0;
-  for (const auto& e : k.shapes) {
-    total += e.probability;
-    unit += e.probability * e.volume / std::pow(size_of(e), 3);
-  }
   m.volume.resize(m.visible());
-  for (int j = 0; j < m.visible(); ++j) m.volume[j] = unit / total * mean_cube(sizes[j], sizes[j + 1]);
+  for (int j = 0; j < m.visible(); ++j)
+    m.volume[j] = unit_volume(k, (sizes[j] + sizes[j + 1]) / 2) * mean_cube(sizes[j], sizes[j + 1]);
   return m;
 }
 

@@ -11,9 +11,9 @@
 
 namespace terrazzo::unfolding {
 
-// Sizes and profiles in equal classes of [0, d_max], shapes mixed by their probabilities (Jagnow et al. 2004,
-// eq. 10–12), or as a surface shows them. Classes below `first` show no profile as large as
-// `smallest_visible` and are left out.
+// Sizes and profiles in equal classes of [0, d_max], shapes mixed by their probabilities at each size
+// (Jagnow et al. 2004, eq. 10–12), or as a surface shows them. Classes below `first` show no profile as large
+// as `smallest_visible` and are left out.
 struct UnfoldModel {
   std::vector<double> edges;          // n + 1, mm; edge `first` is raised to smallest_visible
   int equal = 0;                      // number of classes before the first visible one was divided
@@ -33,6 +33,9 @@ struct UnfoldModel {
 // Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
 UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible,
                        const std::vector<double>& profiles = {}, const Hiding* surface = nullptr);
+
+// The share of each shape among particles of this size, in mm.
+std::vector<double> shape_shares(const KMatrix&, double size);
 
 // The model matrix for other classes: a row per profile class, a column per size class. Of a `surface`,
 // only the mean height of the shapes matters: one layer of stones is as deep as they are high.

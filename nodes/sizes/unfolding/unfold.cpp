@@ -111,20 +111,20 @@ Hiding hiding_of(const UnfoldResult& r) {
 
 void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, std::size_t c,
                  const ClassFit& f) {
-  double probability = 0;
-  for (const auto& e : k.shapes) probability += e.probability;
+  std::vector<std::vector<double>> shares;
+  for (int j = m.first; j < m.classes(); ++j)
+    shares.push_back(shape_shares(k, (m.edges[j] + m.edges[j + 1]) / 2));
   for (std::size_t s = 0; s < k.shapes.size(); ++s) {
-    const double share = k.shapes[s].probability / probability;
-    if (!(share > 0)) continue;
+    if (!(k.shapes[s].probability > 0)) continue;
     SizeDistribution::Entry e;
     e.shape = s;
     e.cls = c;
     e.N_V.assign(m.classes(), 0);
-    for (int j = 0; j < m.visible(); ++j) e.N_V[m.first + j] = share * f.fit.density[j];
+    for (int j = 0; j < m.visible(); ++j) e.N_V[m.first + j] = shares[j][s] * f.fit.density[j];
     e.low = e.high = e.N_V;
     for (std::size_t j = 0; j < f.intervals.low.size(); ++j) {
-      e.low[m.first + j] = share * f.intervals.low[j];
-      e.high[m.first + j] = share * f.intervals.high[j];
+      e.low[m.first + j] = shares[j][s] * f.intervals.low[j];
+      e.high[m.first + j] = shares[j][s] * f.intervals.high[j];
     }
     out.shapes.push_back(std::move(e));
   }
