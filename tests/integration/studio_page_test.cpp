@@ -331,6 +331,21 @@ TEST_F(StudioPage, MakesParametersOfTheGraph) {
   EXPECT_EQ(r["varied"], "photo.height");
 }
 
+// Menus of nodes, a search for nodes and commands, and keys.
+TEST_F(StudioPage, HasTheHabitsOfEditors) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "habits.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_EQ(r["entries"],
+            nlohmann::json({"Run to here", "Show variants", "Rename", "Duplicate", "Bypass", "Remove"}));
+  EXPECT_EQ(r["first"], "Run to here");
+  EXPECT_EQ(r["found"], nlohmann::json::array({"photo"}));
+  EXPECT_GT(r["keys"], 10);
+}
+
 // A subgraph becomes nodes that can be edited.
 TEST_F(StudioPage, CopiesASubgraphIntoTheGraph) {
   const auto run =

@@ -97,9 +97,11 @@ await report(server, async () => {
   await page.click('text=Cancel variants');
   s = await finished();
   result.canceled = s.variants.tiles.map(t => t.state);
+  await page.waitForFunction(() => document.querySelectorAll('.tiles em').length === 3 && [...document.querySelectorAll('.tiles em')].every(e => /canceled|kept/.test(e.textContent)));
   result.pictures_left = await page.locator('.tiles canvas').count();
   await page.reload();
   await page.click('button:text-is("Variants")');
+  await tiles.nth(2).waitFor();
   result.after_reload = await tiles.count();
 
   // Particles are drawn by the program.

@@ -5,11 +5,13 @@ import { useCallback, useEffect, useMemo, useRef, useState } from 'react';
 
 import { paste, textOf } from './clipboard';
 import { typeColor } from './format';
+import { Find } from './find';
 import { filesCard, FilesCard, fold, takeFocus, unfold, writersOf, type FilesNode } from './folded';
 import { layout, nodeSize, nodeWidth } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
+import { NodeMenu, rename } from './node_menu';
 import { Search, type SearchAt } from './search';
 import { bypass, declarationOf, edit, enter, post, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
@@ -106,7 +108,7 @@ export function Canvas() {
   const [nodes, setNodes] = useState<AnyNode[]>([]);
   const [search, setSearch] = useState<SearchAt | null>(null);
 
-  const loosen = () => { fitted.current = false, delete host.current?.dataset.fitted; };
+  const loosen = useCallback(() => { fitted.current = false, delete host.current?.dataset.fitted; }, []);
 
   // Shows all of the graph if its names stay legible, else the part with the selected node, or the part from the left where most is.
   const fit = useCallback((duration = 0) => {
@@ -309,14 +311,25 @@ export function Canvas() {
     addNote({ ...at, width: frame ? 320 : 190, height: frame ? 200 : 70, text: '', frame });
   };
 
+  // Copies are beside what they are copies of.
+  const duplicate = useCallback(async (text: string) => {
+    const first = await paste(text, writtenPlaces(Object.fromEntries(nodes.filter(n => n.type === 'node').map(n => [n.id, { x: n.position.x + 40, y: n.position.y + 40 }]))));
+    if (first) setTimeout(() => select(first), 80);
+  }, [nodes]);
+  const showNode = useCallback((name: string) => {
+    loosen();
+    void flow.fitView({ nodes: [{ id: name }], maxZoom: 1, duration: 150, padding: 0.4 });
+  }, [flow, loosen]);
+  const [menu, setMenu] = useState<{ name: string; x: number; y: number } | null>(null);
+
   useEffect(() => {
     const chosen = nodes.filter(n => n.selected).map(n => n.id);
-    // Copies are beside what they are copies of.
-    const put = async (text: string) => {
-      const first = await paste(text, writtenPlaces(Object.fromEntries(nodes.filter(n => n.type === 'node').map(n => [n.id, { x: n.position.x + 40, y: n.position.y + 40 }]))));
-      if (first) setTimeout(() => select(first), 80);
+    const find = (e: KeyboardEvent) => { // also from fields
+      if (!(e.ctrlKey || e.metaKey) || e.altKey || e.shiftKey || !['f', 'k'].includes(e.key) || useStore.getState().starting) return;
+      useStore.setState({ finding: 'all' });
+      e.preventDefault();
     };
-    const elsewhere = (e: Event) => useStore.getState().starting || e.target instanceof HTMLElement && e.target.closest('input, textarea, select, [role=dialog]');
+    const elsewhere = (e: Event) => useStore.getState().starting || e.target instanceof HTMLElement && e.target.closest('input, textarea, select, dialog, [role=dialog], [role=menu]');
     // Events of the clipboard need no permission.
     const copied = (e: ClipboardEvent) => {
       if (elsewhere(e) || !doc || !chosen.length || window.getSelection()?.toString()) return;
@@ -326,19 +339,21 @@ export function Canvas() {
     const pasted = (e: ClipboardEvent) => {
       const text = e.clipboardData?.getData('text/plain');
       if (elsewhere(e) || scope || !text?.trim()) return;
-      void put(text);
+      void duplicate(text);
       e.preventDefault();
     };
     const key = (e: KeyboardEvent) => {
       if (elsewhere(e)) return;
       if ((e.ctrlKey || e.metaKey) && !e.altKey && doc) {
         if (e.key === 'b' && chosen.length && !scope) bypass(chosen);
-        else if (e.key === 'd' && chosen.length && !scope) void put(textOf(doc, chosen));
+        else if (e.key === 'd' && chosen.length && !scope) void duplicate(textOf(doc, chosen));
         else return;
         return e.preventDefault();
       }
       if (e.ctrlKey || e.metaKey || e.altKey) return;
-      if (e.key === 'f') fit(150);
+      if (e.key === '?') useStore.setState({ finding: 'keys' });
+      else if (e.key === 'F2' && chosen.length === 1) rename(chosen[0]);
+      else if (e.key === 'f') fit(150);
       else if (e.key === 'l') arrangeAll(false), refit();
       else if (e.key === 'a' && !scope) setSearch(pointer.current ?? { x: window.innerWidth / 3, y: 160 });
       // Tab moves the focus, except for users who work in the canvas with the pointer.
@@ -349,15 +364,17 @@ export function Canvas() {
       else return;
       e.preventDefault();
     };
+    window.addEventListener('keydown', find);
     window.addEventListener('keydown', key);
     window.addEventListener('copy', copied);
     window.addEventListener('paste', pasted);
     return () => {
+      window.removeEventListener('keydown', find);
       window.removeEventListener('keydown', key);
       window.removeEventListener('copy', copied);
       window.removeEventListener('paste', pasted);
     };
-  }, [fit, refit, arrangeAll, doc, nodes, scope]);
+  }, [fit, refit, arrangeAll, doc, nodes, scope, duplicate]);
 
   if (doc && countOf(doc) > kMostNodes)
     return <main className="canvas" aria-label="Graph"><p className="none">The graph has {countOf(doc).toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
@@ -388,6 +405,7 @@ export function Canvas() {
       <ReactFlow<AnyNode>
         nodes={[...noteNodes, ...nodes]} edges={edges} nodeTypes={nodeTypes} onNodesChange={onNodesChange} onEdgesChange={onEdgesChange} onEdgeClick={() => select(null)} isValidConnection={valid} onConnect={connect}
         onNodeDragStart={onNodeDragStart} onNodeDrag={onNodeDrag} onNodeDragStop={onNodeDragStop} nodesConnectable={!scope}
+        onNodeContextMenu={(e, n) => { if (n.type !== 'node') return; e.preventDefault(); select(n.id); setMenu({ name: n.id, x: e.clientX, y: e.clientY }); }}
         onNodeDoubleClick={(_, n) => { if (n.type === 'node' && n.data.node.graph) void enter(n.id); }}
         onBeforeDelete={remove} onPaneClick={() => select(null)} onMoveStart={e => { if (e) loosen(); }} deleteKeyCode={['Delete', 'Backspace']} colorMode="system"
         minZoom={0.1} maxZoom={2} proOptions={noPro} selectNodesOnDrag={false} nodeDragThreshold={2} onlyRenderVisibleElements={nodes.length > 80}
@@ -408,6 +426,9 @@ export function Canvas() {
         {overview && <MiniMap pannable zoomable ariaLabel="Overview of the graph" nodeBorderRadius={6} />}
       </ReactFlow>
       </div>
+      {menu && <NodeMenu key={`${menu.name} ${menu.x} ${menu.y}`} menu={menu} close={() => setMenu(null)} remove={name => void flow.deleteElements({ nodes: [{ id: name }] })}
+        duplicate={name => { if (doc) void duplicate(textOf(doc, [name])); }} />}
+      <Find show={showNode} />
       {search && <Search at={search} close={() => setSearch(null)} place={flow.screenToFlowPosition({ x: search.x, y: search.y })} />}
     </main>
   );

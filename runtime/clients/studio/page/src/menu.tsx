@@ -1,31 +1,44 @@
-// A button with a menu of things to do, for mouse and keyboard.
+// Menus of things to do, for mouse and keyboard.
 import { useEffect, useRef, useState, type KeyboardEvent } from 'react';
 
-export interface MenuItem { label: string; act: () => void }
+export interface MenuItem { label: string; keys?: string; act: () => void }
+export interface MenuAt { left?: number; right?: number; top?: number; bottom?: number }
 
-export function MenuButton({ label, items, text = '⋮' }: { label: string; items: MenuItem[]; text?: string }) {
-  const [at, setAt] = useState<{ right: number; top?: number; bottom?: number } | null>(null);
-  const button = useRef<HTMLButtonElement>(null), menu = useRef<HTMLDivElement>(null);
-  useEffect(() => { if (at) menu.current?.querySelector('button')?.focus(); }, [at]);
-  const open = () => {
-    const r = button.current!.getBoundingClientRect(), low = r.bottom + 30 * items.length > window.innerHeight;
-    setAt({ right: window.innerWidth - r.right, ...(low ? { bottom: window.innerHeight - r.top } : { top: r.bottom }) });
-  };
+// Where a menu fits that belongs to a point.
+export const menuAt = (x: number, y: number, items: number): MenuAt => ({
+  ...(x > window.innerWidth - 260 ? { right: window.innerWidth - x } : { left: x }), ...(y + 30 * items > window.innerHeight ? { bottom: window.innerHeight - y } : { top: y }),
+});
+
+export function Menu({ label, items, at, close }: { label: string; items: MenuItem[]; at: MenuAt; close: () => void }) {
+  const menu = useRef<HTMLDivElement>(null);
+  useEffect(() => menu.current?.querySelector('button')?.focus(), []);
   const key = (e: KeyboardEvent) => {
-    if (!at) return;
     const all = [...menu.current!.querySelectorAll('button')], now = all.indexOf(document.activeElement as HTMLButtonElement);
-    if (e.key === 'Escape') setAt(null), button.current?.focus();
+    if (e.key === 'Escape') close();
     else if (e.key === 'ArrowDown') all[(now + 1) % all.length].focus();
     else if (e.key === 'ArrowUp') all[(now + all.length - 1) % all.length].focus();
     else return;
     e.preventDefault(), e.stopPropagation();
   };
   return (
-    <span className="menu" onKeyDown={key} onBlur={e => { if (!e.currentTarget.contains(e.relatedTarget)) setAt(null); }}>
+    <div className="menu" role="menu" aria-label={label} ref={menu} style={at} onKeyDown={key} onBlur={e => { if (!e.currentTarget.contains(e.relatedTarget)) close(); }}>
+      {items.map(i => <button key={i.label} type="button" role="menuitem" onClick={() => { close(); i.act(); }}>{i.label}{i.keys && <kbd>{i.keys}</kbd>}</button>)}
+    </div>
+  );
+}
+
+export function MenuButton({ label, items, text = '⋮' }: { label: string; items: MenuItem[]; text?: string }) {
+  const [at, setAt] = useState<MenuAt | null>(null);
+  const button = useRef<HTMLButtonElement>(null);
+  const open = () => {
+    const r = button.current!.getBoundingClientRect(), low = r.bottom + 30 * items.length > window.innerHeight;
+    setAt({ right: window.innerWidth - r.right, ...(low ? { bottom: window.innerHeight - r.top } : { top: r.bottom }) });
+  };
+  return (
+    <>
       <button ref={button} type="button" className={text === '⋮' ? 'dots' : ''} aria-haspopup="menu" aria-expanded={!!at} aria-label={label} title={label} onClick={() => (at ? setAt(null) : open())}>{text}</button>
-      {at && <div role="menu" aria-label={label} ref={menu} style={at}>
-        {items.map(i => <button key={i.label} type="button" role="menuitem" onClick={() => { setAt(null); button.current?.focus(); i.act(); }}>{i.label}</button>)}</div>}
-    </span>
+      {at && <Menu label={label} items={items} at={at} close={() => { setAt(null); button.current?.focus(); }} />}
+    </>
   );
 }
 

@@ -23,6 +23,7 @@ interface Store {
   trouble: Trouble | null;
   drawer: 'none' | 'yaml' | 'messages' | 'history' | 'files' | 'variants';
   variants: Variants | null; // of a result, side by side
+  finding: '' | 'all' | 'keys'; // what is open: the search for nodes and commands, or the list of keys
   vary: string; // the parameter that was chosen for them last
   line: { number: number } | null; // to show in the YAML text
   start: StartInfo | null;
@@ -47,7 +48,7 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
-  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, vary: '', line: null,
+  run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, vary: '', finding: '', line: null,
   start: null, starting: false, picture: null, savingAs: false, sharing: false, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
   arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
 }));

@@ -1,0 +1,29 @@
+// What the right mouse button offers for a node.
+import { Menu, menuAt, type MenuItem } from './menu';
+import { bypass, enter, post, shownDoc, useStore } from './store';
+
+// Puts the cursor into the name of the selected node.
+export function rename(name: string) {
+  useStore.setState({ selected: name });
+  setTimeout(() => document.querySelector<HTMLInputElement>('.inspector input.name')?.select(), 50);
+}
+
+interface Props { menu: { name: string; x: number; y: number }; close: () => void; duplicate: (name: string) => void; remove: (name: string) => void }
+
+export function NodeMenu({ menu: { name, x, y }, close, duplicate, remove }: Props) {
+  const node = useStore(s => shownDoc(s)?.nodes.find(n => n.name === name)), inside = useStore(s => !!s.scope);
+  if (!node) return null;
+  const items: MenuItem[] = [
+    ...(node.graph ? [{ label: 'Look into it', keys: 'Enter', act: () => void enter(name) }] : []),
+    ...(node.graph && !inside ? [{ label: 'Copy into this graph', act: () => void post('/api/expand', { node: name }) }] : []),
+    { label: 'Run to here', act: () => void post('/api/run', { targets: [name] }) },
+    ...(inside ? [] : [
+      { label: 'Show variants', act: () => useStore.setState({ drawer: 'variants' as const }) },
+      { label: 'Rename', keys: 'F2', act: () => rename(name) },
+      { label: 'Duplicate', keys: 'Ctrl+D', act: () => duplicate(name) },
+      ...(node.graph ? [] : [{ label: node.bypass ? 'Bypass no longer' : 'Bypass', keys: 'Ctrl+B', act: () => bypass([name]) }]),
+      { label: 'Remove', keys: 'Delete', act: () => remove(name) },
+    ]),
+  ];
+  return <Menu label={`Node ${name}`} items={items} at={menuAt(x, y, items.length)} close={close} />;
+}
