@@ -65,7 +65,7 @@ nlohmann::json describe(const KMatrix& v) {
                     {"profiles_per_caliper", e.profiles_per_caliper},
                     {"K", std::move(rows)},
                     {"cdf", e.cdf}});
-    if (e.trend.power != 0) list.back()["trend"] = {e.trend.power, e.trend.size};
+    if (!e.trend.even()) list.back()["trend"] = {e.trend.power, e.trend.size, e.trend.spread};
   }
   return {{"classes", v.classes},
           {"averaging", v.averaging},

@@ -108,7 +108,7 @@ nlohmann::json describe(const Shapes& v) {
     if (!v.shapes[i].uv.empty()) list[i]["uv"] = v.shapes[i].uv.size();
     if (v.shapes[i].traced.profile != 0) list[i]["traced"] = v.shapes[i].traced.profile;
     const SizeTrend& trend = v.shapes[i].trend;
-    if (trend.power != 0) list[i]["trend"] = {trend.power, trend.size};
+    if (!trend.even()) list[i]["trend"] = {trend.power, trend.size, trend.spread};
   }
   return {{"shapes", std::move(list)}};
 }

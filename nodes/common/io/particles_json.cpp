@@ -114,9 +114,9 @@ void add_shape(std::string& text, const Shape& s) {
   };
   number("probability", s.probability);
   number("class", static_cast<std::int32_t>(s.cls));
-  if (s.trend.power != 0) {
+  if (!s.trend.even()) {
     text += ", \"trend\": ";
-    add_row(text, s.trend.power, s.trend.size);
+    add_row(text, s.trend.power, s.trend.size, s.trend.spread);
   }
   number("volume", s.volume);
   number("surface_area", s.surface_area);

@@ -54,9 +54,10 @@ Shape shape_of(const JsonObject& o) {
   s.max_section_area = o.number("max_section_area", JsonObject::kSmallest);
   s.smooth = o.boolean("smooth");
   if (o.has("trend")) {
-    const auto trend = o.vector<Vec2>("trend");
-    if (!(trend.y() > 0)) o.fail("the second number of the field trend, a size, must be above 0");
-    s.trend = {trend.x(), trend.y()};
+    const auto trend = o.vector<Vec3>("trend");
+    if (!(trend.y() > 0 && trend.z() >= 0))
+      o.fail("the size in the field trend must be above 0, the spread 0 or more");
+    s.trend = {trend.x(), trend.y(), trend.z()};
   }
   return s;
 }

@@ -22,9 +22,10 @@ KMatrix::Entry entry_of(const JsonObject& o, int classes) {
   e.volume = o.number("volume", JsonObject::kSmallest);
   e.profiles_per_caliper = o.number("profiles_per_caliper", JsonObject::kSmallest);
   if (o.has("trend")) {
-    const auto trend = o.vector<Eigen::Vector2d>("trend");
-    if (!(trend.y() > 0)) o.fail("the second number of the field trend, a size, must be above 0");
-    e.trend = {trend.x(), trend.y()};
+    const auto trend = o.vector<Eigen::Vector3d>("trend");
+    if (!(trend.y() > 0 && trend.z() >= 0))
+      o.fail("the size in the field trend must be above 0, the spread 0 or more");
+    e.trend = {trend.x(), trend.y(), trend.z()};
   }
   const std::size_t n = classes;
   const Json& rows = o.field("K");

@@ -141,7 +141,7 @@ Shapes with_trend() {
   Shapes out = balls();
   out.shapes.push_back(out.shapes[0]);
   for (Shape& s : out.shapes) s.probability = 0.5;
-  out.shapes[1].trend = {3, 4};
+  out.shapes[1].trend = {.power = 3, .size = 4};
   return out;
 }
 
@@ -161,7 +161,8 @@ T stored(const T& value) {
 }
 
 TEST(SizeTrend, SurvivesStorageAndFiles) {
-  const Shapes shapes = with_trend();
+  Shapes shapes = with_trend();
+  shapes.shapes[1].trend.spread = 0.5;
   const KMatrix k = test::run_node("KMatrix", {{"shapes", Value::of(shapes)}}).output<KMatrix>("kmatrix");
   const auto folder = test::temporary_folder();
   test::run_node("Export", {{"shapes", Value::of(shapes)}}, {{"path", "shapes.json"}}, folder);
@@ -175,8 +176,9 @@ TEST(SizeTrend, SurvivesStorageAndFiles) {
                              stored(k).shapes[1].trend, again.shapes[1].trend}) {
     EXPECT_EQ(t.power, 3);
     EXPECT_EQ(t.size, 4);
+    EXPECT_EQ(t.spread, 0.5);
   }
-  EXPECT_EQ(loaded.shapes[0].trend.power, 0);
+  EXPECT_TRUE(loaded.shapes[0].trend.even());
 }
 
 }  // namespace
