@@ -28,8 +28,8 @@ struct LobedShare {
 // each size and the share of lobed ones together (Dempster, Laird, Rubin 1977). One profile in ten may be
 // lobed because particles touch. Lobed particles must raise the log likelihood by 3, and a share that grows
 // with the size must explain the profiles better than an even one by a test at 5 %: groups of the same sizes
-// are one. `compact`, `lobed`: bodies with their probabilities within the group. The profiles are all that are as
-// large as the smallest of them.
+// are one. `compact`, `lobed`: bodies with their probabilities within the group. The profiles are all that
+// are as large as the smallest of them.
 LobedShare lobed_share(const std::vector<SeenProfile>&, const std::vector<Shape>& compact,
                        const std::vector<Shape>& lobed, const ProfileMeasuring&, const Work& = {});
 

@@ -130,7 +130,8 @@ Parameter method_parameter() {
   doc += fmt::format(
       " auto: inflation for a surface; fit with at least {} usable profiles of sections, otherwise "
       "morphed_generalized_cylinder. If large particles are lobed and small ones are not, these are the "
-      "methods for the small ones, and the large ones get `count` bodies of lobes; shares depend on the size.",
+      "methods for the small ones, and the large ones get `count` bodies of lobes; shares depend on the "
+      "size.",
       kFitEnough);
   return Parameter::choice("method", "morphed_generalized_cylinder", names).doc_(doc);
 }
