@@ -42,8 +42,9 @@ std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess);
 // flat-sided or round, elongated, flat, lumpy.
 std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess);
 
-// A body of lobes: 5 to 14 ellipsoids around a core, and all that lies between them and its middle. Star-shaped,
-// of about unit radius. Element `guess` of a low-discrepancy sequence of numbers, depths and sizes of lobes.
+// A body of lobes: 5 to 14 ellipsoids around a core, and all that lies between them and its middle.
+// Star-shaped, of about unit radius. Element `guess` of a low-discrepancy sequence of numbers, depths and
+// sizes of lobes.
 Mesh lobed_body(std::uint64_t seed, int guess);
 
 }  // namespace terrazzo::shape_estimate
