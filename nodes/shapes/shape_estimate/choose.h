@@ -25,8 +25,8 @@ struct CandidateOptions {
   // Smallest √area, relative to the one that a tenth of the uncut profiles exceed: smaller sections seldom
   // pass near a particle's center.
   double smallest = 0.4;
-  double crease = 30;        // degrees
-  std::vector<int> without;  // ids of profiles that are not used, ascending
+  double crease = 30;             // degrees
+  std::vector<int> without = {};  // ids of profiles that are not used, ascending
 };
 
 // Uncut, simple contours of sufficient size. If contours are as fine as those of pixels (half of the largest

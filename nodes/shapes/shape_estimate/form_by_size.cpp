@@ -39,9 +39,10 @@ struct Classes {
 };
 
 void add_body(Kernel& kernel, const Classes& classes, const Shape& body, double share,
-              const ProfileMeasuring& how) {
+              const ProfileMeasuring& how, const Work& work) {
   const std::vector<CutProfile> sections = cut_sections(body.mesh, kFormPlanes);
   for (int j = 0; j < classes.sizes; ++j) {
+    work.check();
     const double middle = classes.size(j + 0.5) / body.size();  // mm per unit of the body
     for (const CutProfile& s : sections) {
       const bool lobed = convexity_of(s, middle, how) < kLobed;
@@ -62,7 +63,7 @@ Kernel kernel_of(const std::vector<Shape>& bodies, const Classes& classes, const
   std::vector<Kernel> each(bodies.size(), Kernel::Zero(2 * classes.profiles, classes.sizes));
   work.parallel(bodies.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      add_body(each[i], classes, bodies[i], bodies[i].probability / total, how);
+      add_body(each[i], classes, bodies[i], bodies[i].probability / total, how, work);
   });
   Kernel out = Kernel::Zero(2 * classes.profiles, classes.sizes);
   for (const Kernel& k : each) out += k;

@@ -23,7 +23,8 @@ namespace terrazzo {
 namespace {
 
 Shapes balls() {
-  return test::run_node("Shape", {}, {{"kind", "sphere"}, {"detail", "3"}}).output<Shapes>("shapes");
+  return terrazzo::test::run_node("Shape", {}, {{"kind", "sphere"}, {"detail", "3"}})
+      .output<Shapes>("shapes");
 }
 
 // Not the bodies among which ShapeEstimate chooses.
@@ -41,11 +42,11 @@ struct Kind {
 
   Value sizes() const {
     const auto text = [](double v) { return std::to_string(v); };
-    return test::run_node("Distribution", {{"shapes", Value::of(shapes)}},
-                          {{"kind", "uniform"},
-                           {"min", text(low)},
-                           {"max", text(high)},
-                           {"volume_fraction", text(fraction)}})
+    return terrazzo::test::run_node("Distribution", {{"shapes", Value::of(shapes)}},
+                                    {{"kind", "uniform"},
+                                     {"min", text(low)},
+                                     {"max", text(high)},
+                                     {"volume_fraction", text(fraction)}})
         .outputs.at("distribution");
   }
 };
@@ -57,14 +58,14 @@ struct Sections {
 
 // Sections through a packing of two kinds.
 Sections sections_of(const Kind& first, const Kind& second) {
-  const auto mix = test::run_node("MixDistributions", {{"distributions", first.sizes()},
-                                                       {"distributions", second.sizes()},
-                                                       {"shapes", Value::of(first.shapes)},
-                                                       {"shapes", Value::of(second.shapes)}});
-  const auto pack = test::run_node(
+  const auto mix = terrazzo::test::run_node("MixDistributions", {{"distributions", first.sizes()},
+                                                                 {"distributions", second.sizes()},
+                                                                 {"shapes", Value::of(first.shapes)},
+                                                                 {"shapes", Value::of(second.shapes)}});
+  const auto pack = terrazzo::test::run_node(
       "Pack", {{"distribution", mix.outputs.at("distribution")}, {"shapes", mix.outputs.at("shapes")}},
       {{"method", "anneal"}, {"size", "80"}});
-  const auto cut = test::run_node(
+  const auto cut = terrazzo::test::run_node(
       "Section", {{"particles", pack.outputs.at("particles")}, {"shapes", pack.outputs.at("shapes")}},
       {{"planes", "8"}, {"pixel_size", "0.1"}});
   Sections out;
@@ -80,9 +81,9 @@ Sections sections_of(const Kind& first, const Kind& second) {
   return out;
 }
 
-test::NodeRun estimate(const Profiles& profiles, int threads = 0) {
-  return test::run_node("ShapeEstimate", {{"profiles", Value::of(profiles)}}, {{"method", "auto"}}, {},
-                        threads);
+terrazzo::test::NodeRun estimate(const Profiles& profiles, int threads = 0) {
+  return terrazzo::test::run_node("ShapeEstimate", {{"profiles", Value::of(profiles)}}, {{"method", "auto"}},
+                                  {}, threads);
 }
 
 bool is_lobed(const Shape& s) { return s.name.starts_with("lobed"); }
@@ -91,11 +92,11 @@ TEST(LobedParticles, AreCountedApartFromRoundOnes) {
   const Sections s = sections_of({balls(), 2, 5, 0.08}, {lobed_bodies(3), 8, 12, 0.25});
   const auto shapes = estimate(s.profiles);
   ASSERT_GT(shapes.metrics.at("lobed"), 0);
-  const auto k = test::run_node("KMatrix", {{"shapes", shapes.outputs.at("shapes")}},
-                                {{"classes", "20"}, {"orientations", "500"}});
-  const auto unfold =
-      test::run_node("Unfold", {{"profiles", Value::of(s.profiles)}, {"kmatrix", k.outputs.at("kmatrix")}},
-                     {{"bootstrap", "0"}});
+  const auto k = terrazzo::test::run_node("KMatrix", {{"shapes", shapes.outputs.at("shapes")}},
+                                          {{"classes", "20"}, {"orientations", "500"}});
+  const auto unfold = terrazzo::test::run_node(
+      "Unfold", {{"profiles", Value::of(s.profiles)}, {"kmatrix", k.outputs.at("kmatrix")}},
+      {{"bootstrap", "0"}});
   const auto& sizes = unfold.output<SizeDistribution>("distribution");
   double compact = 0, lobed = 0, large_compact = 0;
   for (const auto& e : sizes.shapes)
@@ -146,7 +147,8 @@ Shapes with_trend() {
 }
 
 TEST(SizeTrend, SharesFollowThePowerOfTheSize) {
-  const auto k = test::run_node("KMatrix", {{"shapes", Value::of(with_trend())}}).output<KMatrix>("kmatrix");
+  const auto k =
+      terrazzo::test::run_node("KMatrix", {{"shapes", Value::of(with_trend())}}).output<KMatrix>("kmatrix");
   EXPECT_DOUBLE_EQ(unfolding::shape_shares(k, 4)[1], 0.5);
   EXPECT_DOUBLE_EQ(unfolding::shape_shares(k, 8)[1], 8.0 / 9);
   EXPECT_DOUBLE_EQ(unfolding::shape_shares(k, 2)[1], 1.0 / 9);
@@ -163,12 +165,13 @@ T stored(const T& value) {
 TEST(SizeTrend, SurvivesStorageAndFiles) {
   Shapes shapes = with_trend();
   shapes.shapes[1].trend.spread = 0.5;
-  const KMatrix k = test::run_node("KMatrix", {{"shapes", Value::of(shapes)}}).output<KMatrix>("kmatrix");
-  const auto folder = test::temporary_folder();
-  test::run_node("Export", {{"shapes", Value::of(shapes)}}, {{"path", "shapes.json"}}, folder);
-  test::run_node("Export", {{"kmatrix", Value::of(k)}}, {{"path", "k.json"}}, folder);
+  const KMatrix k =
+      terrazzo::test::run_node("KMatrix", {{"shapes", Value::of(shapes)}}).output<KMatrix>("kmatrix");
+  const auto folder = terrazzo::test::temporary_folder();
+  terrazzo::test::run_node("Export", {{"shapes", Value::of(shapes)}}, {{"path", "shapes.json"}}, folder);
+  terrazzo::test::run_node("Export", {{"kmatrix", Value::of(k)}}, {{"path", "k.json"}}, folder);
   const auto read = [&](const char* type, const char* file) {
-    return test::run_node(type, {}, {{"path", (folder / file).string()}});
+    return terrazzo::test::run_node(type, {}, {{"path", (folder / file).string()}});
   };
   const Shapes loaded = read("LoadShapes", "shapes.json").output<Shapes>("shapes");
   const KMatrix again = read("LoadKMatrix", "k.json").output<KMatrix>("kmatrix");
