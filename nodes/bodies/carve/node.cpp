@@ -47,7 +47,7 @@ namespace terrazzo {
 
 NodeType carve_node() {
   using namespace carve;
-  NodeType type("Carve", 4);
+  NodeType type("Carve", 5);
   type.doc_(
           "Carves a body from the solid, or breaks a block along its particles, and returns it as a closed "
           "mesh with colors and as a level set, for use in other programs")

@@ -56,8 +56,8 @@ void take_residual(Context& c, Body& body, Shown shown) {
                                                                 c.work().part(0, 0.05));
     };
     if (shown == Shown::Inside || detail->tones.empty()) return use(*detail);
-    body.skins =
-        std::make_unique<residual::Skins>(*detail, particles, c.input<Shapes>("shapes"), 0, c.work().quiet());
+    body.skins = std::make_unique<residual::Skins>(*detail, particles, c.input<Shapes>("shapes"), 0,
+                                                   std::nullopt, c.work().quiet());
     return use(residual::without_light(*detail));
   }
   const auto* volume = c.optional<Volume>("detail");

@@ -83,7 +83,7 @@ namespace terrazzo {
 
 NodeType render_solid_node() {
   using namespace render_solid;
-  NodeType type("RenderSolid", 10);
+  NodeType type("RenderSolid", 11);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
           "out, a body carved from it, or its particles without binder")

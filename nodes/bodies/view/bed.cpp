@@ -17,12 +17,14 @@ constexpr std::uint64_t kPlaceStream = 0x76696577;
 constexpr double kMostStones = 4e6;
 // How far below the cut loose stones settle, in diameters of the largest one: deeper ones are hidden.
 constexpr float kLooseDepth = 1.5f;
+// Up to how far above the cut loose stones are poured on, in their own heights: one more layer of each size.
+constexpr double kPoured = 1;
 
-// `copies`: of each along z.
-void require_few(const Particles& particles, const Vec2& picture, double margin, int copies) {
+void require_few(const Particles& particles, const Vec2& picture, double margin) {
+  constexpr int kCopies = 2;  // of each along z
   const double across = (picture.x() + 2 * margin) / particles.box.x() + 1;
   const double down = (picture.y() + 2 * margin) / particles.box.y() + 1;
-  const double stones = across * down * copies * particles.count();
+  const double stones = across * down * kCopies * particles.count();
   if (!(stones <= kMostStones))
     throw Error("too-many-particles",
                 fmt::format("up to {:.3g} stones would lie in a picture of {:g} × {:g} mm; the limit is {:g}",
@@ -73,7 +75,7 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
       top_(static_cast<float>(meshes.largest(particles))) {
-  require_few(particles, picture, margin, rest.covered ? 2 : 1);
+  require_few(particles, picture, margin);
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
     if (!particles.is_void(i)) add_copies(particles, i, picture, margin, rest.covered.has_value(), instances);
@@ -95,7 +97,8 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   instance.linear = (turn * particles.scale[particle]).cast<float>();
   const float reach = reach_below(meshes_.triangles[instance.mesh], instance.linear);
   std::vector<double> heights{at.z() - std::ceil(at.z() / box.z()) * box.z()};  // of centers
-  if (const double above = heights[0] + box.z(); in_soil || above <= reach) heights.push_back(above);
+  if (const double above = heights[0] + box.z(); in_soil || above <= reach * (1 + 2 * kPoured))
+    heights.push_back(above);
   for (const double z : heights)
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
@@ -140,8 +143,8 @@ void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const 
   settle(meshes_.triangles, instances, options, work.part(0.3, 1));
   for (std::size_t i = 0; i < stones_.size(); ++i)
     stones_[i].to_packing += before[i].offset - instances[i].offset;
-  if (!rest.covered) return;
-  // Soil holds the stones that it touches. None rest on others as in a heap.
+  // Soil holds the stones that it touches. None rest on others as in a heap. Loose stones that are poured on
+  // stay where they fill a hole.
   const float touching = 1e-3F * top_;  // rounding lifts stones a little
   take_away(instances, [&](std::size_t i) { return instances[i].offset.z() - stones_[i].reach <= touching; });
 }

@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "graph/node_type.h"
@@ -109,7 +111,9 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
   SurfaceOptions options = surface_options(c, layout, particles.box, photograph);
   std::optional<residual::Skins> skins;
   if (const Detail* detail = c.optional<Detail>("detail")) {
-    skins.emplace(*detail, particles, shapes, layout.pixel_size, c.work().quiet());
+    const double azimuth = options.light.azimuth * std::numbers::pi / 180;
+    skins.emplace(*detail, particles, shapes, layout.pixel_size, Vec2(std::cos(azimuth), std::sin(azimuth)),
+                  c.work().quiet());
     options.tones = detail->tones;
     options.softness = kOfTheCamera * detail->softness * detail->pixel_size;
   }
@@ -201,7 +205,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 8);
+  NodeType type("View", 9);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

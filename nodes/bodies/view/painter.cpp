@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t kSkyStream = 0x736b7921;
 constexpr std::size_t kRows = 4;  // of a range for one thread
-constexpr int kSmooth = 2;        // pixels over which light is smoothed
+constexpr int kSmooth = 1;        // pixels over which light is smoothed
 
 // Gaussian blur by a large deviation, pixels: of a reduced copy, since its effort grows with the deviation.
 cv::Mat blurred_widely(const cv::Mat& values, double deviation) {

@@ -190,7 +190,8 @@ void leave_out_shadows(std::vector<Stone>& stones) {
   constexpr float kUnusual = 2.5F;  // standard deviations
   std::vector<float> differences;
   for (const Stone& stone : stones)
-    each_seen(stone, [&](std::size_t i) { differences.push_back(std::abs(luminance_of(stone.skin.shade[i]))); });
+    each_seen(stone,
+              [&](std::size_t i) { differences.push_back(std::abs(luminance_of(stone.skin.shade[i]))); });
   if (differences.empty()) return;
   constexpr float kOfNormal = 1.4826F;  // standard deviation of a normal distribution over this median
   const float dark = -kUnusual * kOfNormal * median(std::move(differences));
@@ -207,13 +208,16 @@ void leave_out_shadows(std::vector<Stone>& stones) {
   }
 }
 
-// Stones of which nothing is in the light are left out.
+// Removes shadows, then form and rims. Stones of which nothing is in the light are left out.
 void clean(std::vector<Stone>& stones) {
-  std::vector<Stone> trial = stones;
-  remove_form(trial);
-  remove_rims(trial);
-  leave_out_shadows(trial);
-  for (std::size_t k = 0; k < stones.size(); ++k) stones[k].seen = std::move(trial[k].seen);
+  constexpr int kRounds = 3;  // shadows hide in the form of stones until some of them are known
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<Stone> trial = stones;
+    remove_form(trial);
+    remove_rims(trial);
+    leave_out_shadows(trial);
+    for (std::size_t k = 0; k < stones.size(); ++k) stones[k].seen = std::move(trial[k].seen);
+  }
   std::erase_if(stones, [](const Stone& stone) { return !shows_itself(stone); });
   remove_form(stones);
   remove_rims(stones);

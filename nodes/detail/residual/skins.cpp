@@ -29,7 +29,6 @@ constexpr double kHidden = 0.1;      // share of a stone that others hide which 
 constexpr double kChance = 0.5;      // of the choice: no skin is worn by all stones of one kind
 constexpr double kWorn = 1;          // how much worse a skin is that covers as much as one on average
 constexpr double kUpright = 0.94;    // cosine of 20°: the sides of stones that lean more were hardly seen
-constexpr double kSmallest = 0.6;    // particle that wears a skin, in the smallest skin
 
 double square(double v) { return v * v; }
 
@@ -156,17 +155,15 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   take_pictures(detail.relief, work);
   covers_.assign(skins_.size(), 0);
   for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
-  smallest_ = std::numeric_limits<float>::max();
   for (const Detail::Skin& skin : skins_) {
     oklab_.push_back(linear_to_oklab(skin.color));
     hidden_.push_back(square(hidden_share(skin, detail.pixel_size) / kHidden));
-    smallest_ = std::min(smallest_, skin.size);
     of_profile_[skin.profile] = count_of(oklab_) - 1;
   }
   std::vector<Mat3> covariance;
   for (const Shape& shape : shapes.shapes) covariance.push_back(covariance_of(shape.mesh));
   for (std::size_t p = 0; p < particles.count(); ++p) {
-    if (particles.is_void(p) || particles.size[p] < kSmallest * smallest_) continue;
+    if (particles.is_void(p)) continue;
     work.check();
     const std::int32_t shape = particles.shape[p];
     const Mat3 turn = particles.scale[p] * particles.orientation[p].normalized().toRotationMatrix();
@@ -251,15 +248,16 @@ void Skins::fit_level(Worn& worn, double footprint) const {
 }
 
 // A skin is laid with its relief, which grows with it, so slopes stay, and turns with it.
-void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed, const std::optional<Vec2>& light) const {
+void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed,
+                     const std::optional<Vec2>& light) const {
   constexpr float kSteepest = 1.5F;  // a skin that is pressed together
   const Eigen::Vector2f toward = light ? Eigen::Vector2f(light->normalized().cast<float>()) : photographed;
   const Eigen::Matrix2f laid = worn.to_skin.leftCols<2>();
   Eigen::Vector2f shown = laid * toward / std::sqrt(std::abs(laid.determinant()));
   if (!shown.allFinite()) return;
   shown *= std::min(1.0F, kSteepest / std::max(kSteepest, shown.norm()));
-  worn.relit = Eigen::Vector2f(shown.dot(in_rows(photographed)) - 1,
-                               shown.dot(in_rows(quarter_turn(photographed))));
+  worn.relit =
+      Eigen::Vector2f(shown.dot(in_rows(photographed)) - 1, shown.dot(in_rows(quarter_turn(photographed))));
 }
 
 std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& particles,

@@ -27,8 +27,8 @@ namespace terrazzo::residual {
 class Skins {
  public:
   // `footprint`: edge of the pixels that will show the skins, mm; skins are smoothed for it. `light`: toward
-  // where the light stands, along the packing's x and y, of any length; nothing: as photographed. Particles
-  // are bare without skins, or if they are much smaller than all stones that have one.
+  // where the light stands, along the packing's x and y, of any length; nothing: as photographed. Without
+  // skins, particles are bare.
   Skins(const Detail&, const Particles&, const Shapes&, double footprint, const std::optional<Vec2>& light,
         const Work& = {});
 
@@ -54,8 +54,8 @@ class Skins {
   struct Worn {
     int skin = -1;
     float lost_grain = 0;
-    int level = 0;                                      // of the skin's pictures
-    Eigen::Vector2f relit = Eigen::Vector2f::Zero();    // of the last two numbers of texels, added to the shade
+    int level = 0;                                    // of the skin's pictures
+    Eigen::Vector2f relit = Eigen::Vector2f::Zero();  // of the last two numbers of texels, added to the shade
     // Pixels to the right and downwards per mm from the particle's position, and at that position.
     Eigen::Matrix<float, 2, 3> to_skin = Eigen::Matrix<float, 2, 3>::Zero();
     Eigen::Vector2f start = Eigen::Vector2f::Zero();
@@ -75,13 +75,12 @@ class Skins {
   Detail::Ground ground_;
   std::vector<Detail::Skin> skins_;             // without their shades
   std::vector<std::vector<Picture>> pictures_;  // of each, each half as large as the one before
-  std::vector<Vec3f> oklab_;                // colors of skins
-  std::vector<double> hidden_;              // what it costs to wear each, because others hide a part
-  std::map<std::int32_t, int> of_profile_;  // number of the skin
-  float smallest_ = 0;                      // skin, mm
-  std::vector<double> covers_;              // squares of the sizes of the particles that wear each skin
-  double usual_cover_ = 0;                  // on average
-  std::vector<Worn> worn_;                  // by each particle
+  std::vector<Vec3f> oklab_;                    // colors of skins
+  std::vector<double> hidden_;                  // what it costs to wear each, because others hide a part
+  std::map<std::int32_t, int> of_profile_;      // number of the skin
+  std::vector<double> covers_;                  // squares of the sizes of the particles that wear each skin
+  double usual_cover_ = 0;                      // on average
+  std::vector<Worn> worn_;                      // by each particle
 };
 
 // Leaves out skins, soil, and the broad light and shade by which a photograph shows the form and the shadows

@@ -11,7 +11,10 @@ namespace terrazzo::packing {
 namespace {
 
 constexpr std::uint64_t kLie = 0x6c6965;
-constexpr double kAside = 0.35;  // radians
+// Radians by which traced shapes are turned from how their stones lay: little, since a photograph's stones
+// often lie in one direction, and its light belongs to how they lay.
+constexpr double kAside = 0.15;
+constexpr double kTracedTilt = 0.1;
 
 struct FlatBody {
   Quat turn;             // that lays the body down
@@ -43,7 +46,8 @@ void lay_flat(Packing& packing, const Shapes& shapes, std::size_t first, const s
     if (!body && traced.profile == 0) continue;
     Random random(seed, kLie, i);
     double azimuth = random.uniform(0, 2 * std::numbers::pi);
-    const Vec3 tilt(kTilt * random.normal(), kTilt * random.normal(), 0);
+    const double leaning = traced.profile != 0 ? kTracedTilt : kTilt;
+    const Vec3 tilt(leaning * random.normal(), leaning * random.normal(), 0);
     const bool over = random.uniform() < 0.5;
     if (!long_axes.empty()) azimuth = long_axes[random.below(long_axes.size())];
     Quat q = Quat::Identity();

@@ -13,8 +13,8 @@ namespace terrazzo::packing {
 // Turns the particles from `first` on so that their shortest axis points up or down, give or take
 // kTilt, as loose stones lie (common/geometry/mesh/shortest_axis.h); the long axis points in one of
 // the directions in `long_axes`, radians from x, or in any if there are none. Balls and cubes, which have no
-// shortest axis, lie at random. Traced shapes lie as their stones did in the photograph, give or take 0.35
-// radians about the upright, with the same side up.
+// shortest axis, lie at random. Traced shapes lie as their stones did in the photograph, give or take 0.15
+// radians about the upright and 0.1 to the sides.
 void lay_flat(Packing&, const Shapes&, std::size_t first, const std::vector<double>& long_axes,
               std::uint64_t seed);
 

@@ -92,8 +92,10 @@ void Packer::place() {
     radius[i] =
         std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
   place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
-  if (options_.lying)
+  if (options_.lying) {
     lay_flat(packing_, shapes_, population_.kept, options_.long_axes, options_.population.seed);
+    packing_.home = packing_.orientation;
+  }
   if (packing_.count() < kCached) return;
   index_.resize(packing_.count());
   std::iota(index_.begin(), index_.end(), 0);
@@ -107,6 +109,7 @@ void Packer::sort(const std::vector<std::int32_t>& order) {
   reorder(index_, order);
   reorder(packing_.position, order);
   reorder(packing_.orientation, order);
+  if (!packing_.home.empty()) reorder(packing_.home, order);
   reorder(packing_.shape, order);
   reorder(packing_.scale, order);
   reorder(packing_.size, order);

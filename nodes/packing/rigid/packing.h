@@ -19,7 +19,8 @@ struct InterruptedPacking {
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
-  bool lying = false;             // particles start with their flat side down (lying.h) instead of at random
+  // Particles lie with their flat side down (lying.h) instead of at random, and turn little (kMostTurn).
+  bool lying = false;
   std::vector<double> long_axes;  // radians; directions of lying particles' long axes; empty: at random
   int iterations = 6000;          // steps until the particles are considered jammed; see Budget
   // How far above the estimate a volume fraction is refused at once if on_jam is Fail. 0: also if a sample

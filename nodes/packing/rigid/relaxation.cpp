@@ -35,6 +35,10 @@ void solve(const Demand& demand, double arm, Vec3& dx, Vec3& dw) {
   dw = x.tail<3>().cast<double>() / arm;
 }
 
+Quat turned(const Quat& q, const Vec3& turn) {
+  return (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * q).normalized();
+}
+
 }  // namespace
 
 Relaxation::Relaxation(const std::vector<ContactShape>& shapes, Packing& packing, double binder_gap)
@@ -154,6 +158,14 @@ Overlap Relaxation::find_contacts(const Work& work) {
       combined);
 }
 
+// Turning back is always possible.
+bool Relaxation::may_turn(std::size_t i, const Vec3& turn) const {
+  if (packing_.home.empty() || turn.isZero(0)) return true;
+  const Quat &home = packing_.home[i], &now = packing_.orientation[i];
+  const double after = home.angularDistance(turned(now, turn));
+  return after <= kMostTurn || after <= home.angularDistance(now);
+}
+
 void Relaxation::displace(std::size_t i, const Vec3& by, const Vec3& turn) {
   Vec3& p = packing_.position[i];
   p += by;
@@ -162,8 +174,7 @@ void Relaxation::displace(std::size_t i, const Vec3& by, const Vec3& turn) {
   const double angle = turn.norm();
   if (angle > 1e-12) {
     Quat& q = packing_.orientation[i];
-    q = Quat(Eigen::AngleAxisd(angle, turn / angle)) * q;
-    q.normalize();
+    q = turned(q, turn);
     bodies_[i].rotation = q.toRotationMatrix().cast<float>();
     moved += angle * bodies_[i].shape->bounding_radius * bodies_[i].scale;
   }
@@ -210,6 +221,7 @@ void Relaxation::move(const Work& work) {
             if (v.norm() < 1e-4 * packing_.size[i]) v.setZero();
             if (w.norm() < 1e-4) w.setZero();
           }
+          if (!may_turn(i, w)) w.setZero();
           velocity_[i] = v;
           spin_[i] = w;
           if (v.isZero(0) && w.isZero(0)) continue;
@@ -285,9 +297,8 @@ void Relaxation::shake(double amplitude, std::uint64_t seed, std::uint64_t round
       };
       packing_.position[i] += amplitude * packing_.size[i] * direction();
       const Vec3 turn = 2 * amplitude * direction();
-      if (turn.norm() > 0)
-        packing_.orientation[i] =
-            (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * packing_.orientation[i]).normalized();
+      if (turn.norm() > 0 && may_turn(i, turn))
+        packing_.orientation[i] = turned(packing_.orientation[i], turn);
       wrap(i);
     }
   });

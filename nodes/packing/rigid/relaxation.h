@@ -13,6 +13,9 @@
 
 namespace terrazzo::packing {
 
+// Radians: stones turn until their sides lean on others, but don't roll over.
+inline constexpr double kMostTurn = 0.15;
+
 // The bodies while they are packed, one entry per particle in every vector.
 struct Packing {
   Vec3 box = Vec3::Zero();          // mm
@@ -21,6 +24,8 @@ struct Packing {
   std::vector<double> size;         // mm, as requested: the unit of overlaps
   std::vector<Vec3> position;       // [0, box)
   std::vector<Quat> orientation;
+  std::vector<Quat>
+      home;           // orientations from which bodies turn by kMostTurn at most; empty: they turn freely
   double shrink = 1;  // actual size relative to the requested size, for all bodies
   // Deepest overlap found last, relative to the smaller body's size; 0: free. Infinite before any iteration.
   double overlap = std::numeric_limits<double>::infinity();
@@ -131,6 +136,7 @@ class Relaxation {
   void move(const Work& work);
   void end_move(double farthest);
   void wrap(std::size_t i);
+  bool may_turn(std::size_t i, const Vec3& turn) const;
   void displace(std::size_t i, const Vec3& by, const Vec3& turn);
 };
 

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/rank.h"
 #include "runtime/random.h"
 
 namespace terrazzo::shape_estimate {
@@ -128,6 +129,27 @@ std::vector<int> medoids(const std::vector<Features>& f, const std::vector<doubl
   return chosen;
 }
 
+// The outline of median convexity of each of `wanted` groups of similar size, which cover about the same
+// area: outlines that were merged or frayed by segmentation are less convex.
+std::vector<int> one_of_each_size(const std::vector<Outline>& outlines, std::size_t wanted) {
+  double left = 0;
+  for (const Outline& o : outlines) left += o.area;
+  std::vector<int> chosen;
+  std::size_t next = 0;
+  for (std::size_t group = 0; group < wanted; ++group) {
+    const double share = left / (wanted - group);
+    const std::size_t last = outlines.size() - (wanted - group - 1);  // one for each of the other groups
+    std::vector<std::pair<double, int>> own;
+    for (double sum = 0; next < last && (own.empty() || sum + outlines[next].area / 2 < share); ++next) {
+      own.emplace_back(outlines[next].convexity, static_cast<int>(next));
+      sum += outlines[next].area;
+      left -= outlines[next].area;
+    }
+    chosen.push_back(median(std::move(own)).second);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 std::string Candidates::text() const {
@@ -231,6 +253,8 @@ std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>& outlin
   if (rule == "largest") {
     chosen.resize(wanted);
     std::iota(chosen.begin(), chosen.end(), 0);
+  } else if (rule == "each_size") {
+    chosen = one_of_each_size(outlines, wanted);
   } else {
     const auto f = features_of(outlines);
     std::vector<double> weight;

@@ -42,8 +42,9 @@ std::vector<Outline> outlines_by_id(const Profiles&, const std::vector<std::int6
 // "representative", the medoids of clusters in circularity, aspect ratio, convexity and corners, weighted by
 // √area, after excluding the least convex third (profiles merged or frayed by segmentation) and the eighth
 // least similar to the most common profile, if enough remain; "diverse", each as different from the previous
-// ones as possible. Profiles are dealt randomly (`seed`) so that every shape gets rounder and longer ones. A
-// profile is used for several shapes only if there are not enough.
+// ones as possible; "each_size", the usual one of each size. Profiles are dealt randomly (`seed`) so that
+// every shape gets rounder and longer ones. A profile is used for several shapes only if there are not
+// enough.
 std::vector<std::vector<int>> choose_profiles(const std::vector<Outline>&, const std::string& rule,
                                               std::size_t shapes, std::size_t each, std::uint64_t seed,
                                               const Work& = {});

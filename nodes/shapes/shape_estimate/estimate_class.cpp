@@ -35,15 +35,19 @@ struct Chosen {
 };
 
 constexpr std::size_t kFitHands = 4;
+
+// Stones of about one size have much in common: their axes, their roundness, and how they lie.
+constexpr double kLikeSizes = 0.3;        // SizeTrend::spread of traced shapes
 constexpr std::size_t kCompactLeast = 4;  // profiles of compact particles beside lobed ones
 
-// Shapes if `count` is auto: three bodies have the statistics of sections, but silhouettes are seen one by
-// one.
-constexpr int kBodies = 3, kSilhouettes = 24;
+constexpr int kBodies = 3, kSilhouettes = 40;
 
-int count_of_shapes(const Context& c, const Profiles& profiles, const EstimateMethod& method) {
-  const bool silhouettes = profiles.view == View::Surface && method.run;
-  return c.optional_integer("count").value_or(silhouettes ? kSilhouettes : kBodies);
+// Shapes if `count` is auto: three bodies have the statistics of sections, but silhouettes are seen one by
+// one, each of its own stones.
+std::size_t count_of_shapes(const Context& c, const Profiles& profiles, std::size_t usable) {
+  const auto given = c.optional_integer("count");
+  if (given || profiles.view != View::Surface) return given.value_or(kBodies);
+  return std::clamp<std::size_t>(usable, 1, kSilhouettes);
 }
 
 // The method that the parameter names. With auto: stones of a surface have a silhouette of the photograph;
@@ -71,8 +75,6 @@ const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const 
 
 Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method,
               const CandidateOptions& options) {
-  // The method that estimates all shapes together starts from several groups of profiles.
-  const auto shapes = method.run ? static_cast<std::size_t>(count_of_shapes(c, profiles, method)) : kFitHands;
   auto each = std::max<std::size_t>(method.least, c.integer("profiles_per_shape"));
   if (method.most) each = std::min(each, method.most);
   const double crease = c.number("crease");
@@ -82,13 +84,19 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   // Where stones are round, other outlines are wrong.
   if (method.lies && usual_relief(candidates.outlines) < kRound)
     std::erase_if(candidates.outlines, [](const Outline& o) { return relief_of(o) >= kRound; });
+  // The method that estimates all shapes together starts from several groups of profiles.
+  const std::size_t shapes =
+      method.run ? count_of_shapes(c, profiles, candidates.outlines.size() / each) : kFitHands;
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
     if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
     if (method.run && candidates.outlines.size() < shapes * each)
       c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
                          candidates.outlines.size()));
-    const auto hands = choose_profiles(candidates.outlines, rule, shapes, each, c.seed(), c.work());
+    const bool traced = method.lies && profiles.view == View::Surface;
+    const auto hands =
+        choose_profiles(candidates.outlines, traced && rule == "representative" ? "each_size" : rule, shapes,
+                        each, c.seed(), c.work());
     for (const auto& hand : hands) {
       out.shapes.emplace_back();
       for (const int i : hand) out.shapes.back().push_back(candidates.outlines[i]);
@@ -246,6 +254,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
     if (method.lies && thickness) {  // of a surface
       const Outline& o = request.chosen[0];
       shape.traced.profile = o.id;
+      shape.trend = {0, shape.size(), kLikeSizes};
       shape.traced.turn = o.turn;
       shape.traced.origin =
           o.center + Eigen::Rotation2Dd(o.turn) * Vec2(before - shape.mesh.vertices[0].head<2>());

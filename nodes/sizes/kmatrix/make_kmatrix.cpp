@@ -36,6 +36,10 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   k.averaging = options.averaging;
   const auto edges = equal_edges(options.classes, 1);
   const double count = shapes.shapes.size();
+  // Errors of single shapes average out in a mixture of many.
+  constexpr std::size_t kManyShapes = 24;
+  const std::size_t orientations =
+      options.orientations * kManyShapes / std::max(kManyShapes, shapes.shapes.size());
   std::size_t most = 0;
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     const Shape& shape = shapes.shapes[i];
@@ -44,7 +48,7 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
         options.method == Method::Analytic ? ellipsoid_statistics(fit_ellipsoid(shape))
         : options.method == Method::Stencil
             ? stencil_statistics(shape, options.classes, options.orientations, options.device, part)
-            : slice_statistics(shape, options.classes, options.orientations, part);
+            : slice_statistics(shape, options.classes, orientations, part);
     KMatrix::Entry& e = k.shapes.emplace_back();
     e.probability = shape.probability / total;
     e.trend = shape.trend;

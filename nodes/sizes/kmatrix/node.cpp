@@ -92,7 +92,7 @@ namespace terrazzo {
 
 NodeType kmatrix_node() {
   using namespace kmatrix;
-  return NodeType("KMatrix", 2)
+  return NodeType("KMatrix", 3)
       .doc_(
           "Computes how often a particle of each size shows a profile of each size in a random plane, for "
           "each shape. Unfold inverts this matrix. Classes are equal bins of √(A/A_max), where A_max is the "
@@ -118,7 +118,7 @@ NodeType kmatrix_node() {
                            "the unfolding."))
       .parameter(Parameter::optional_integer("orientations", "auto")
                      .range(2, 10000000)
-                     .doc_("Number of directions of slice. auto: doubles them until no class changes by more "
+                     .doc_("Number of directions of slice; more than 24 shapes share those of 24. auto: doubles them until no class changes by more "
                            "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), up to "
                            "65536. For stencil, the number of planes; auto: 16384."))
       .parameter(Parameter::choice("device", "cpu", {"cpu", "gpu"})

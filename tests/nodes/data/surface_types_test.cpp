@@ -1,6 +1,8 @@
 // What only photographs of surfaces leave in values survives the cache.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "nodes/data/detail.h"
 #include "nodes/data/shapes.h"
 #include "runtime/codec.h"
@@ -48,12 +50,12 @@ TEST(SurfaceTypes, SkinsGroundAndTonesAreStored) {
   skin.height = 1;
   skin.center = {1, 0.5F};
   skin.shade = {Vec3f(1, 2, 3), Vec3f(4, 5, 6)};
-  skin.outline = {1, 0.5F};
   detail.skins.push_back(skin);
   detail.ground.width = 1;
   detail.ground.height = 2;
   detail.ground.shade = {Vec3f(7, 8, 9), Vec3f(1, 1, 1)};
   detail.tones = {0, 0.5F, 1};
+  detail.relief = {Eigen::Vector2f(0.6F, 0.8F), 2};
   const auto back = decoded<Detail>(encoded(detail));
   ASSERT_EQ(back->skins.size(), 1U);
   EXPECT_EQ(back->skins[0].profile, 3);
@@ -62,9 +64,13 @@ TEST(SurfaceTypes, SkinsGroundAndTonesAreStored) {
   EXPECT_EQ(back->skins[0].center, skin.center);
   EXPECT_EQ(back->skins[0].spread, skin.spread);
   EXPECT_EQ(back->skins[0].shade, skin.shade);
-  EXPECT_EQ(back->skins[0].outline, skin.outline);
+  EXPECT_EQ(back->relief.light, detail.relief.light);
+  EXPECT_EQ(back->relief.strength, 2);
   EXPECT_EQ(back->ground.shade, detail.ground.shade);
   EXPECT_EQ(back->tones, detail.tones);
+  detail.skins[0].shade[1].y() = std::nanf("");
+  EXPECT_EQ(test::code_of([&] { decoded<Detail>(encoded(detail)); }), "damaged");
+  detail.skins[0].shade[1].y() = 5;
   detail.skins[0].width = 3;
   EXPECT_EQ(test::code_of([&] { decoded<Detail>(encoded(detail)); }), "damaged");
   detail.skins.clear();

@@ -106,16 +106,30 @@ TEST(View, ShowsOneLayerAsItsDiscs) {
 }
 
 TEST(View, HidesWhatLiesBelow) {
-  const Particles p = spheres_of({{{5, 5, 5}, 1.5}, {{5.3, 5, 3}, 0.4}}, 10);
+  const Particles p = spheres_of({{{5, 5, 6.2}, 1.5}, {{5.3, 5, 0.2}, 0.4}}, 12);
   // So far below the cut that they do not settle.
-  const SurfaceView above = show_surface(p, ball(), whole_box(p, 9.8), nullptr);
+  const SurfaceView above = show_surface(p, ball(), whole_box(p, 10.8), nullptr);
   ASSERT_EQ(above.profiles.profiles.size(), 1u);
   EXPECT_EQ(std::get<double>(above.table.rows[0][1]), 0);
   EXPECT_EQ(above.stones, 1);
-  // A cut between them takes the large one away; its copy lies one period deeper.
-  const SurfaceView below = show_surface(p, ball(), whole_box(p, 3.2), nullptr);
+  // A cut between them takes the large one away, since more than its height lies between it and the cut; its
+  // copy lies one period deeper.
+  const SurfaceView below = show_surface(p, ball(), whole_box(p, 0.5), nullptr);
   ASSERT_EQ(below.profiles.profiles.size(), 2u);
   EXPECT_EQ(below.stones, 2);
+}
+
+// A stone that lies above the cut by less than its height falls into the hole below, next to its copy one
+// period deeper.
+TEST(View, LooseStonesFromAboveFillHoles) {
+  const auto seen = [](double height) {
+    const Particles p = spheres_of({{{5, 5, height}, 1}}, 10);
+    SurfaceOptions options = whole_box(p, 6);
+    options.loose = true;
+    return show_surface(p, ball(), options, nullptr).stones;
+  };
+  EXPECT_EQ(seen(9.2), 1);
+  EXPECT_EQ(seen(8.8), 2);
 }
 
 TEST(View, LeavesVoidsOut) {

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
+#include "runtime/random.h"
 #include "tests/nodes/detail/detail_solid/drawn_picture.h"
 #include "tests/support/code_of.h"
 
@@ -50,12 +52,12 @@ float shade_at(const Detail::Skin& skin, double x, double y) {
 
 TEST(Skins, KeepMarksAndLoseTheFormThatAllStonesHave) {
   const test::DrawnPicture drawn = domes(0.4F, 0);
-  const auto plain = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.25F));
+  const auto plain = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.25F), 1).skins;
   ASSERT_EQ(plain.size(), 25U);
   for (const Detail::Skin& skin : plain)
     for (const double x : {-20.0, -10.0, 0.0, 10.0, 20.0}) EXPECT_NEAR(shade_at(skin, x, 3), 0, 0.02);
   const test::DrawnPicture marked = domes(0.4F, 0.2F);
-  const auto skins = find_skins(marked.image, marked.labels, seen_from_above(marked, 0.25F));
+  const auto skins = find_skins(marked.image, marked.labels, seen_from_above(marked, 0.25F), 1).skins;
   ASSERT_EQ(skins.size(), 25U);
   for (const Detail::Skin& skin : skins) {
     const float across = shade_at(skin, 12, 5) - shade_at(skin, -12, 5);
@@ -66,7 +68,7 @@ TEST(Skins, KeepMarksAndLoseTheFormThatAllStonesHave) {
 
 TEST(Skins, LieWhereTheStoneIs) {
   const test::DrawnPicture drawn = domes(0.4F, 0);
-  const auto skins = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.25F));
+  const auto skins = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.25F), 1).skins;
   ASSERT_EQ(skins.size(), 25U);
   const Detail::Skin& skin = skins[7];  // label 8: third in the second row
   EXPECT_EQ(skin.profile, 8);
@@ -77,16 +79,71 @@ TEST(Skins, LieWhereTheStoneIs) {
   EXPECT_NEAR(skin.size, 5.6, 1e-3);
 }
 
-TEST(Skins, ContinueBeyondTheOutlineAsTheirMirrorImage) {
-  const test::DrawnPicture marked = domes(0, 1);
-  const auto skins = find_skins(marked.image, marked.labels, seen_from_above(marked, 0.3F));
+// Stones with grain: beyond the outline, each pixel is one of the stone's.
+TEST(Skins, ContinueBeyondTheOutlineWithTheirTexture) {
+  const test::DrawnPicture drawn = test::draw_disks(400, kStep, kRadius, [](int x, int y, int id) {
+    const double grain = Random(7, id, 1000 * y + x).uniform(-0.2, 0.2);
+    return linear_to_srgb(Vec3f::Constant(id == 0 ? 0.02F : static_cast<float>(0.3 * std::exp(grain))));
+  });
+  const auto skins = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.3F), 1).skins;
   ASSERT_EQ(skins.size(), 25U);
   for (const Detail::Skin& skin : skins) {
-    const float inside = shade_at(skin, 22, 2) - shade_at(skin, -22, 2);
-    const float outside = shade_at(skin, 31, 2) - shade_at(skin, -31, 2);
-    EXPECT_NEAR(outside, inside, 0.05) << skin.profile;
-    if (skin.profile % 2 == 0) EXPECT_GT(std::abs(outside), 0.05F) << skin.profile;
+    std::set<float> own;
+    int beyond = 0;
+    for (int pass = 0; pass < 2; ++pass)
+      for (int y = 0; y < skin.height; ++y)
+        for (int x = 0; x < skin.width; ++x) {
+          const double r = std::hypot(x + 0.5 - skin.center.x(), y + 0.5 - skin.center.y());
+          const float shade = skin.shade[pixel_at(x, y, skin.width)].x();
+          if (pass == 0 && r < kRadius) own.insert(shade);
+          if (pass == 1 && r > kRadius + 1) {
+            const auto next = own.lower_bound(shade - 1e-5F);
+            EXPECT_TRUE(next != own.end() && *next <= shade + 1e-5F) << x << " " << y;
+            ++beyond;
+          }
+        }
+    EXPECT_GT(beyond, 1000);
   }
+}
+
+// A neighbor's shadow reaches from the outline into a fifth of each stone.
+TEST(Skins, HaveNoShadowsOfNeighbors) {
+  const test::DrawnPicture drawn = test::draw_disks(400, kStep, kRadius, [](int x, int y, int id) {
+    const double grain = Random(7, id, 1000 * y + x).uniform(-0.1, 0.1);
+    const bool shadow = x % kStep + 0.5 - 40 < -0.5 * kRadius && id % 3 == 0;
+    return linear_to_srgb(
+        Vec3f::Constant(id == 0 ? 0.02F : static_cast<float>(0.3 * std::exp(grain - (shadow ? 1.2 : 0)))));
+  });
+  const auto skins = find_skins(drawn.image, drawn.labels, seen_from_above(drawn, 0.3F), 1).skins;
+  ASSERT_EQ(skins.size(), 25U);
+  for (const Detail::Skin& skin : skins)
+    for (const double x : {-26.0, -23.0, -20.0, 0.0, 20.0})
+      EXPECT_GT(shade_at(skin, x, 2), -0.5F) << skin.profile << " " << x;
+}
+
+// Waves in all directions, as stains or as the height whose slope toward the light is seen.
+TEST(Skins, ReliefIsToldFromStainsByTheDirectionOfTheLight) {
+  const double azimuth = 0.6;
+  const auto strength = [&](bool relief, bool lit) {
+    const test::DrawnPicture drawn = test::draw_disks(400, kStep, kRadius, [&](int x, int y, int id) {
+      double sum = 0;
+      for (int k = 0; k < 24; ++k) {
+        Random random(9, id, k);
+        const double direction = std::numbers::pi * (k + random.uniform()) / 24,
+                     phase = random.uniform(0, 6.28);
+        const double wave = random.uniform(0.6, 1.2);  // per pixel
+        const double power = relief ? std::cos(direction - azimuth) : std::numbers::sqrt2 / 2;
+        sum += 0.04 * power * std::cos(wave * (std::cos(direction) * x - std::sin(direction) * y) + phase);
+      }
+      return linear_to_srgb(Vec3f::Constant(id == 0 ? 0.02F : static_cast<float>(0.3 * std::exp(sum))));
+    });
+    Profiles p = seen_from_above(drawn, 0.3F);
+    if (lit) p.light = 0.5 * Vec2(std::cos(azimuth), std::sin(azimuth));
+    return find_skins(drawn.image, drawn.labels, p, 1).relief.strength;
+  };
+  EXPECT_GT(strength(true, true), 5);
+  EXPECT_LT(strength(false, true), 0.3);
+  EXPECT_EQ(strength(true, false), 0);
 }
 
 TEST(Skins, AreOfWholeStonesOfASurface) {
@@ -94,12 +151,12 @@ TEST(Skins, AreOfWholeStonesOfASurface) {
   Profiles p = seen_from_above(drawn, 0.25F);
   p.profiles[3].touches_border = true;
   p.profiles[4].whole = 2 * p.profiles[4].area;  // half of it is hidden
-  EXPECT_EQ(find_skins(drawn.image, drawn.labels, p).size(), 23U);
+  EXPECT_EQ(find_skins(drawn.image, drawn.labels, p, 1).skins.size(), 23U);
   p.view = View::Section;
-  EXPECT_TRUE(find_skins(drawn.image, drawn.labels, p).empty());
+  EXPECT_TRUE(find_skins(drawn.image, drawn.labels, p, 1).skins.empty());
   p.view = View::Surface;
   p.profiles.pop_back();
-  EXPECT_EQ(test::code_of([&] { find_skins(drawn.image, drawn.labels, p); }), "size-mismatch");
+  EXPECT_EQ(test::code_of([&] { find_skins(drawn.image, drawn.labels, p, 1); }), "size-mismatch");
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ namespace terrazzo {
 namespace {
 using residual::Skins;
 using std::numbers::pi;
+constexpr float pi_f = std::numbers::pi_v<float>;
 
 // A skin of a round stone of 6 mm at 0.1 mm per pixel whose shade says where it is: red grows to the right,
 // green downwards, by 0.01 per pixel from the center.
@@ -88,22 +89,78 @@ void expect_near(const Eigen::Vector2f& a, float x, float y, float tolerance = 0
   EXPECT_NEAR(a.y(), y, tolerance);
 }
 
-// A stone that is seen up to 25 of its 30 pixels downwards, so that the rim of the particle shows what is
-// there, and the middle stays.
-TEST(SkinsOfParticles, TheOutlineShowsTheLastThatIsSeen) {
+// The height (1 px / k) · sin(k·x) · sin(k·y), rows y running downwards, whose slopes are lit: the shade is
+// the slope toward the light.
+Detail lit_waves(const Eigen::Vector2f& light) {
   Detail detail;
   detail.pixel_size = 0.1;
-  detail.skins.push_back(chart(4, Vec3f::Constant(0.5F)));
-  for (int k = 0; k < 64; ++k) detail.skins[0].outline.push_back(k > 8 && k < 24 ? 25 : 30);
+  detail.relief = {light, 1e6F};  // no stains
+  Detail::Skin skin = chart(4, Vec3f::Constant(0.5F));
+  skin.width = skin.height = 80;
+  skin.center = {40, 40};
+  skin.shade.clear();
+  for (int y = 0; y < 80; ++y)
+    for (int x = 0; x < 80; ++x) {
+      const float u = 0.1F * pi_f * (x + 0.5F - 40), v = 0.1F * pi_f * (y + 0.5F - 40);
+      const float right = std::cos(u) * std::sin(v), up = -std::sin(u) * std::cos(v);
+      skin.shade.push_back(Vec3f::Constant(0.2F * (light.x() * right + light.y() * up)));
+    }
+  detail.skins.push_back(skin);
+  return detail;
+}
+
+TEST(SkinsOfParticles, ReliefIsLitFromWhereTheLightStands) {
   const Vec3 at(50, 50, 50);
-  const Skins skins(detail, one_particle(at, Quat::Identity(), 1), ball_of_3mm(), 0.1);
-  expect_near(read(skins, at + Vec3(0, -2.95, 0)), 0, 24.6F);
-  expect_near(read(skins, at + Vec3(0, -0.3, 0)), 0, 2.9F);
-  expect_near(read(skins, at + Vec3(0, 2.95, 0)), 0, -29.5F);
-  // Where nothing is known, nothing changes.
-  detail.skins[0].outline.assign(64, 0);
-  const Skins unknown(detail, one_particle(at, Quat::Identity(), 1), ball_of_3mm(), 0.1);
-  expect_near(read(unknown, at + Vec3(0, -2.95, 0)), 0, 29.5F);
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  for (const double from : {0.4, 1.9}) {
+    const Detail detail = lit_waves(Eigen::Vector2d(std::cos(from), std::sin(from)).cast<float>());
+    for (const double to : {0.4, 2.5, 4.0}) {
+      const Particles p = one_particle(at, Quat::Identity(), 1);
+      const Skins skins(detail, p, ball_of_3mm(), 0.1, Vec2(std::cos(to), std::sin(to)));
+      for (const Vec2 mm : {Vec2(0.35, 0.2), Vec2(-0.6, 0.9), Vec2(1.3, -1.1)}) {
+        const Vec3 point = at + Vec3(mm.x(), mm.y(), 0);
+        const float shade = Detail::skin_shade(skins.at(point.cast<float>(), 0, usual), usual).x();
+        // A skin may lie mirrored, left for right.
+        const auto expected = [&](double x) {
+          const double u = pi * x, v = -pi * mm.y();
+          return 0.2 * (std::cos(to) * std::cos(u) * std::sin(v) - std::sin(to) * std::sin(u) * std::cos(v));
+        };
+        const double u = pi * mm.x(), v = -pi * mm.y();
+        const double mirrored =
+            0.2 * (std::cos(to) * -std::cos(u) * std::sin(v) + std::sin(to) * std::sin(u) * std::cos(v));
+        EXPECT_TRUE(std::abs(shade - expected(mm.x())) < 0.015 || std::abs(shade - mirrored) < 0.015)
+            << from << " " << to << ": " << shade << " " << expected(mm.x()) << " " << mirrored;
+      }
+    }
+  }
+}
+
+// Without relief, light from anywhere shows the same stains.
+TEST(SkinsOfParticles, StainsDoNotDependOnTheLight) {
+  Detail detail = lit_waves(Eigen::Vector2f::UnitX());
+  detail.relief.strength = 0;
+  const Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
+  const Skins left(detail, p, ball_of_3mm(), 0.1, Vec2(-1, 0));
+  const Skins above(detail, p, ball_of_3mm(), 0.1, Vec2(0, 1));
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  for (const Vec3f& mm : {Vec3f(50.3F, 50.2F, 50), Vec3f(49.4F, 51, 50)})
+    EXPECT_EQ(left.at(mm, 0, usual), above.at(mm, 0, usual));
+}
+
+// A skin whose pixels alternate is gray on a particle of a quarter of its size, not an accident of sampling.
+TEST(SkinsOfParticles, ReducedOnesAreSmoothed) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
+  for (int y = 0; y < 100; ++y)
+    for (int x = 0; x < 80; ++x)
+      detail.skins[0].shade[pixel_at(x, y, 80)] = Vec3f::Constant((x + y) % 2 == 0 ? 0.3F : -0.3F);
+  const Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 0.25);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1, {});
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  for (int k = 0; k < 20; ++k)
+    EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f(49.7F + 0.03F * k, 50.1F, 50), 0, usual), usual).x(), 0,
+                1e-3);
 }
 
 TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
@@ -113,21 +170,21 @@ TEST(SkinsOfParticles, TheirOwnStonesSkinTurnsWithThem) {
   Shapes shapes = ball_of_3mm();
   shapes.shapes[0].traced = {4, Vec2(10 + 4, 20 - 5), 0};  // at the skin's center
   const Vec3 at(99, 1, 50);
-  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at + Vec3(1, 2, 0)), 10,
-              -20);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {}), at + Vec3(1, 2, 0)),
+              10, -20);
   // Across the box's border.
-  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), Vec3(0, 99, 50)), 10,
-              20);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {}), Vec3(0, 99, 50)),
+              10, 20);
   const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
-  expect_near(read(Skins(detail, one_particle(at, quarter, 0.7), shapes, 0.1), at + Vec3(0, 1, 0)), 14.29F,
-              0);
+  expect_near(read(Skins(detail, one_particle(at, quarter, 0.7), shapes, 0.1, {}), at + Vec3(0, 1, 0)),
+              14.29F, 0);
   // The mesh was turned when it was traced.
   shapes.shapes[0].traced.turn = pi / 2;
-  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at + Vec3(1, 0, 0)), 0,
-              -10);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {}), at + Vec3(1, 0, 0)),
+              0, -10);
   // A stone of another photograph lies elsewhere: the skin then lies about the particle's center.
   shapes.shapes[0].traced.origin = Vec2(200, 200);
-  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1), at), 0, 0);
+  expect_near(read(Skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {}), at), 0, 0);
 }
 
 TEST(SkinsOfParticles, OthersStretchASkinOverTheirSilhouette) {
@@ -137,11 +194,11 @@ TEST(SkinsOfParticles, OthersStretchASkinOverTheirSilhouette) {
   Shapes shapes = ball_of_3mm();
   for (Vec3& v : shapes.shapes[0].mesh.vertices) v.x() *= 2;  // half axes 6, 3 and 3 mm
   const Vec3 at(50, 50, 50);
-  const Skins along(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1);
+  const Skins along(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {});
   expect_near(read(along, at + Vec3(6, 0, 0)), 30, 0, 1);
   expect_near(read(along, at + Vec3(0, 3, 0)), 0, -30, 1);
   const Quat quarter(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ()));
-  const Skins turned(detail, one_particle(at, quarter, 0.5, 8.5), shapes, 0.1);
+  const Skins turned(detail, one_particle(at, quarter, 0.5, 8.5), shapes, 0.1, {});
   expect_near(read(turned, at + Vec3(0, 3, 0)), 0, -30, 1);  // a round one is never turned, only stretched
   expect_near(read(turned, at + Vec3(1.5, 0, 0)), 30, 0, 1);
 }
@@ -155,7 +212,7 @@ TEST(SkinsOfParticles, LongOnesAreTurnedRatherThanStretchedFar) {
   Shapes shapes = ball_of_3mm();
   for (Vec3& v : shapes.shapes[0].mesh.vertices) v = Vec3(v.x() / 2, v.y() * 2, v.z());
   const Vec3 at(50, 50, 50);
-  const Skins skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1);
+  const Skins skins(detail, one_particle(at, Quat::Identity(), 1), shapes, 0.1, {});
   const Eigen::Vector2f end = read(skins, at + Vec3(0, 3, 0));
   EXPECT_NEAR(std::abs(end.x()), 30, 1);  // half way to the end, and there it is half way too
   EXPECT_NEAR(end.y(), 0, 1);
@@ -170,16 +227,17 @@ TEST(SkinsOfParticles, ColorAndSizeChoose) {
   for (Vec3f& v : detail.skins[1].shade) v = Vec3f(0, 0, 0.5F);
   Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
   p.color[0] = Vec3f(0.15F, 0.1F, 0.55F);
-  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1, {});
   EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f::Constant(50), 0, p.color[0]), p.color[0]).z(), 0.5, 1e-3);
-  EXPECT_TRUE(Skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 0.3), ball_of_3mm(), 0.1).bare(0));
-  EXPECT_TRUE(Skins(Detail(), p, ball_of_3mm(), 0.1).bare(0));
+  EXPECT_FALSE(
+      Skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 0.3), ball_of_3mm(), 0.1, {}).bare(0));
+  EXPECT_TRUE(Skins(Detail(), p, ball_of_3mm(), 0.1, {}).bare(0));
 }
 
 TEST(SkinsOfParticles, AllSkinsCoverAboutAsMuch) {
   const Detail detail = shades(5);
   const Particles p = hundred_particles();
-  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1, {});
   std::vector<int> worn(5, 0);
   for (int i = 0; i < 100; ++i) {
     const Vec3f shade = Detail::skin_shade(skins.at(Vec3f::Constant(50), i, p.color[i]), p.color[i]);
@@ -194,7 +252,7 @@ TEST(SkinsOfParticles, HalfOfThemAreMirroredAndNoneIsUpsideDown) {
   detail.pixel_size = 0.1;
   detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
   const Particles p = hundred_particles();
-  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1, {});
   int mirrored = 0;
   for (int i = 0; i < 100; ++i) {
     const Vec3f usual = Vec3f::Constant(0.5F);
@@ -211,7 +269,7 @@ TEST(SkinsOfParticles, PreferStonesThatNothingHides) {
   detail.skins[0].spread *= 0.7F;
   const Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 1);
   const Vec3f usual = Vec3f::Constant(0.5F);
-  const Skins skins(detail, p, ball_of_3mm(), 0.1);
+  const Skins skins(detail, p, ball_of_3mm(), 0.1, {});
   EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f::Constant(50), 0, usual), usual).x(), 0.1, 1e-3);
 }
 
@@ -220,9 +278,9 @@ TEST(SkinsOfParticles, EnlargedOnesLackGrainAndBadOnesAreNotWorn) {
   detail.pixel_size = 0.1;
   detail.skins.push_back(chart(1, Vec3f::Constant(0.5F)));
   Particles p = one_particle(Vec3(50, 50, 50), Quat::Identity(), 2);
-  EXPECT_NEAR(Skins(detail, p, ball_of_3mm(), 0.1).lost_grain(0), 1, 0.01);
+  EXPECT_NEAR(Skins(detail, p, ball_of_3mm(), 0.1, {}).lost_grain(0), 1, 0.01);
   p.color[0] = Vec3f::Constant(std::nanf(""));
-  EXPECT_TRUE(Skins(detail, p, ball_of_3mm(), 0.1).bare(0));
+  EXPECT_TRUE(Skins(detail, p, ball_of_3mm(), 0.1, {}).bare(0));
 }
 
 TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {
@@ -232,7 +290,7 @@ TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {
   detail.ground.height = 30;
   for (int i = 0; i < 600; ++i)
     detail.ground.shade.push_back(Vec3f::Constant(static_cast<float>(Random(1, 2, i).uniform())));
-  const Skins skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1);
+  const Skins skins(detail, one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1, {});
   ASSERT_TRUE(skins.has_ground());
   const Vec3f usual = Vec3f::Constant(0.4F);
   const auto at = [&](float x, float y) {
@@ -241,7 +299,7 @@ TEST(SkinsOfParticles, TheGroundRepeatsWithItsPicture) {
   EXPECT_NEAR(at(0.55F, -0.35F), detail.ground.shade[3 * 20 + 5].x(), 1e-3);
   EXPECT_NEAR(at(0.55F + 2, -0.35F + 3), detail.ground.shade[3 * 20 + 5].x(), 2e-3);
   EXPECT_FALSE(
-      Skins(Detail(), one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1).has_ground());
+      Skins(Detail(), one_particle(Vec3::Zero(), Quat::Identity(), 1), ball_of_3mm(), 0.1, {}).has_ground());
 }
 
 TEST(SkinsOfParticles, AHeapOfStonesWearsThem) {
@@ -252,7 +310,7 @@ TEST(SkinsOfParticles, AHeapOfStonesWearsThem) {
   shapes.shapes[0].traced = {4, Vec2(10 + 4, 20 - 5), 0};
   Particles p = one_particle(Vec3(50, 50, 2), Quat(Eigen::AngleAxisd(0.7, Vec3::UnitX())), 1);
   p.color[0] = Vec3f(0.4F, 0.3F, 0.2F);
-  const Skins skins(detail, p, shapes, 0);
+  const Skins skins(detail, p, shapes, 0, {});
   ASSERT_FALSE(skins.bare(0));
   const auto heap = carving::particle_solid(p, shapes, nullptr, &skins);
   for (std::uint64_t k = 0; k < 50; ++k) {

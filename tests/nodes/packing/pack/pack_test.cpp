@@ -67,6 +67,20 @@ TEST(Pack, StonesOfASurfaceLieLoosely) {
   EXPECT_LT(packing::audit(dense.output<Shapes>("shapes"), dense.output<Particles>("particles")).worst, 1e-4);
 }
 
+// The flat sides of stones that are packed densely stay down, and their long axes where the photograph's
+// point.
+TEST(Pack, StonesOfASurfaceKeepTheirDirection) {
+  Profiles surface = ellipses(0.5);
+  surface.view = View::Surface;
+  surface.window = Vec2(9, 7);
+  const Shapes shapes = test::shapes_of({test::ellipsoid(2)});
+  const auto bed = pack_any(0.6, {}, &surface);
+  const Particles& stones = bed.output<Particles>("particles");
+  int along = 0;
+  for (const Quat& turn : stones.orientation) along += std::abs((turn * Vec3::UnitX()).x()) > 0.75;
+  EXPECT_GT(along, 0.9 * stones.count());
+}
+
 TEST(Pack, DenseEquiaxedParticlesAreCellsWithJoints) {
   const Profiles round = ellipses(0.9), flat = ellipses(0.4);
   EXPECT_NEAR(pack::usual_axis_ratio(round), 0.9, 0.01);

@@ -243,6 +243,32 @@ TEST(ShapeEstimateChoose, RulesChooseWhatTheySay) {
     EXPECT_EQ(std::set<int>(h.begin(), h.end()).size(), 3u);
 }
 
+// Sizes from 20 down to 2, a third of them merged with a neighbor, so that they are not convex: each group of
+// sizes gives one that is not, and large ones, which cover most, give more than small ones.
+TEST(ShapeEstimateChoose, EachSizeGivesAUsualOutline) {
+  Random r(4);
+  std::vector<Outline> outlines;
+  for (int i = 0; i < 90; ++i) {
+    const double size = 20 - 0.2 * i;
+    made::Contour loop = made::ellipse(size, 0.8 * size);
+    if (i % 3 == 1)
+      for (Vec2& p : loop) p *= 1 - 0.4 * std::exp(-std::pow(p.x() / (0.2 * size), 2));
+    outlines.push_back(make_outline(i + 1, loop, 40));
+  }
+  const auto hands = choose_profiles(outlines, "each_size", 12, 1, 1);
+  ASSERT_EQ(hands.size(), 12u);
+  std::set<int> chosen;
+  for (const auto& hand : hands) chosen.insert(hand.at(0));
+  EXPECT_EQ(chosen.size(), 12u);
+  int large = 0;
+  for (const int i : chosen) {
+    EXPECT_NE(i % 3, 1) << i;
+    large += i < 45;
+  }
+  EXPECT_GE(large, 9);
+  EXPECT_LE(large, 11);
+}
+
 Profiles thirty() {
   Random r(11);
   std::vector<Contour> contours;

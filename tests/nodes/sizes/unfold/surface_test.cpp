@@ -6,6 +6,7 @@
 
 #include "nodes/common/stereology/silhouette.h"
 #include "nodes/sizes/unfolding/hiding.h"
+#include "nodes/sizes/unfolding/model.h"
 #include "nodes/sizes/unfolding/unfold.h"
 #include "runtime/random.h"
 #include "tests/nodes/sizes/unfold/spheres.h"
@@ -49,6 +50,25 @@ TEST(Silhouette, CompletesBittenDiscs) {
   // Never below the hull, here that of a square, and nothing for what is no outline.
   EXPECT_GE(whole_silhouette({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), 1 - 1e-6);
   EXPECT_EQ(whole_silhouette({{0, 0}, {1, 0}}), 0);
+}
+
+// A shape that was traced from a stone is that of particles of about its size, and those beyond all stones
+// have the nearest ones.
+TEST(SizeTrend, TracedShapesBelongToTheirSize) {
+  KMatrix k;
+  k.shapes.resize(3);
+  for (int s = 0; s < 3; ++s) {
+    k.shapes[s].probability = 1.0 / 3;
+    k.shapes[s].trend = {0, std::pow(2.0, s), 0.3};
+  }
+  for (int s = 0; s < 3; ++s) {
+    const auto shares = shape_shares(k, std::pow(2.0, s));
+    EXPECT_NEAR(shares[0] + shares[1] + shares[2], 1, 1e-12);
+    EXPECT_GT(shares[s], 0.98);
+  }
+  EXPECT_NEAR(shape_shares(k, std::sqrt(2.0))[0], shape_shares(k, std::sqrt(2.0))[1], 1e-12);
+  EXPECT_GT(shape_shares(k, 100)[2], 0.5);
+  EXPECT_GT(shape_shares(k, 0.01)[0], 0.5);
 }
 
 TEST(Hiding, CoarserIsTheVolumeAbove) {
