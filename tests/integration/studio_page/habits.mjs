@@ -47,6 +47,7 @@ await report(server, async () => {
   await page.keyboard.type('mask');
   await page.keyboard.press('Enter');
   await until('it has another name', s => s.document.nodes.some(n => n.name === 'mask'));
+  await page.waitForFunction(() => document.querySelector('.react-flow__node.selected')?.dataset.id === 'mask');
 
   // Nodes and commands by name, also from a field.
   await page.keyboard.press('Control+k');
