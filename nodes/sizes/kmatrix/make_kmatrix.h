@@ -21,8 +21,8 @@ struct KMatrixOptions {
   int classes = 10;  // equal classes of √(A/A_max)
   // Sizes within a column's class: "uniform", or "upper_edge" (Jagnow et al. 2004, eq. 3).
   std::string averaging = "uniform";
-  // Directions of `slice`, of which more than 24 shapes share those of 24; 0: until no class changes by more than 0.1 % (see slice_statistics). Planes
-  // of `stencil`, 0: 16384.
+  // Directions of `slice`, of which more than 24 shapes share those of 24; 0: until no class changes by more
+  // than 0.1 % (see slice_statistics). Planes of `stencil`, 0: 16384.
   std::size_t orientations = 0;
   GlDevice device = GlDevice::Cpu;  // of `stencil`
 };

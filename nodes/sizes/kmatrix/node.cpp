@@ -118,7 +118,8 @@ NodeType kmatrix_node() {
                            "the unfolding."))
       .parameter(Parameter::optional_integer("orientations", "auto")
                      .range(2, 10000000)
-                     .doc_("Number of directions of slice; more than 24 shapes share those of 24. auto: doubles them until no class changes by more "
+                     .doc_("Number of directions of slice; more than 24 shapes share those of 24. auto: "
+                           "doubles them until no class changes by more "
                            "than 0.1 % (0.4 % for convex bodies of a thousand triangles or more), up to "
                            "65536. For stencil, the number of planes; auto: 16384."))
       .parameter(Parameter::choice("device", "cpu", {"cpu", "gpu"})
