@@ -24,6 +24,8 @@ View resolved_view(const Context& c, const Profiles* photograph) {
 
 // Of the softness that was measured across outlines. The rest is that of outlines which lie beside the edge.
 constexpr double kOfTheCamera = 0.4;
+// Pixels: no lens and no color filter array shows outlines sharper than this standard deviation.
+constexpr double kSharpest = 0.45;
 
 // Random planes, whose size and pixels are those of pictures from above too.
 section::SectionLayout layout_of(Context& c, const Vec3& box) {
@@ -115,7 +117,7 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
     skins.emplace(*detail, particles, shapes, layout.pixel_size, Vec2(std::cos(azimuth), std::sin(azimuth)),
                   c.work().quiet());
     options.tones = detail->tones;
-    options.softness = kOfTheCamera * detail->softness * detail->pixel_size;
+    options.softness = std::max(kSharpest, kOfTheCamera * detail->softness) * detail->pixel_size;
   }
   SurfaceView result =
       show_surface(particles, shapes, options, field, skins ? &*skins : nullptr, c.work().part(0.1, 1));
@@ -205,7 +207,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 9);
+  NodeType type("View", 10);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

@@ -74,9 +74,9 @@ float Shader::sun(const BedPoint& point, std::uint64_t random) const {
   return sum / (kSuns * level_);
 }
 
-// In the deepest gaps, where few rays see the sky, four times as many tell more or less of it from none.
+// In the deepest gaps, where few rays see the sky, twelve times as many tell more or less of it from none.
 float Shader::sky(const BedPoint& point, std::uint64_t random) const {
-  constexpr int kFew = 2, kSets = 4;
+  constexpr int kFew = 3, kSets = 12;
   constexpr float kUnseen = 0.5F;  // rays: none of so many does not mean that nothing is open
   const float shift = upper_half(random);
   const float turn = lower_half(random);
