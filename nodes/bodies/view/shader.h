@@ -19,7 +19,7 @@ class Shader {
   // turned by the random number.
   float sun(const BedPoint&, std::uint64_t random) const;
   // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
-  // stratified directions, shifted by the random number, or 192 where few are open. Never 0.
+  // stratified directions, shifted by the random number, or up to 192 where few are open. Never 0.
   float sky(const BedPoint&, std::uint64_t random) const;
 
  private:

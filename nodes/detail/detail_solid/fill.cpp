@@ -79,7 +79,7 @@ class Level {
     if (targets_.empty()) return;  // small holes vanish at coarse levels
     for (int round = 0; round < kRounds; ++round) {
       work.check();
-      search(round);
+      search(round, work);
       vote(finest && round + 1 == kRounds, false);
     }
   }
@@ -140,12 +140,14 @@ class Level {
     return weight > 0 ? sum / weight : std::numeric_limits<float>::max();
   }
 
-  void search(int round) {
+  void search(int round, const Work& work) {
+    constexpr std::size_t kBetweenChecks = 4096;
     distance_.assign(match_.size(), 0);
     for (const std::int32_t t : targets_) distance_[t] = distance(t, match_[t], 1e30f);
     const bool forward = round % 2 == 0;
     const int step = forward ? -1 : 1;
     for (std::size_t n = 0; n < targets_.size(); ++n) {
+      if (n % kBetweenChecks == 0) work.check();
       const std::int32_t t = targets_[forward ? n : targets_.size() - 1 - n];
       const std::size_t at = t;
       const int x = t % columns_, y = t / columns_;

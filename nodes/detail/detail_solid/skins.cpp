@@ -155,14 +155,13 @@ void remove_form(std::vector<Stone>& stones) {
   }
 }
 
+double seen_pixels(const Stone& stone) { return std::count(stone.seen.begin(), stone.seen.end(), 1); }
+
 // Whether enough of a stone is away from its outline, and outside of shadows that others cast on it.
 bool shows_itself(const Stone& stone) {
   double dark = 0;
-  double all = 0;
-  each_seen(stone, [&](std::size_t i) {
-    dark += luminance_of(stone.skin.shade[i]) < kShadow;
-    ++all;
-  });
+  each_seen(stone, [&](std::size_t i) { dark += luminance_of(stone.skin.shade[i]) < kShadow; });
+  const double all = seen_pixels(stone);
   return all >= kLeastSeen && dark <= kShadowed * all;
 }
 
@@ -200,19 +199,21 @@ void leave_out_shadows(std::vector<Stone>& stones) {
     cv::Mat shadow = cv::Mat::zeros(height, width, CV_8U), parts;
     for (std::size_t i = 0; i < stone.size(); ++i)
       shadow.data[i] = !stone.seen[i] || luminance_of(stone.skin.shade[i]) < dark;
-    cv::connectedComponents(shadow, parts, 8, CV_32S);
-    // All that is not seen is one part, since it surrounds the stone.
-    each_seen(stone, [&](std::size_t i) {
-      if (parts.at<int>(static_cast<int>(i)) == parts.at<int>(0)) stone.seen[i] = 0;
-    });
+    std::vector<std::uint8_t> reaches(cv::connectedComponents(shadow, parts, 8, CV_32S), 0);
+    const auto part = [&](std::size_t i) { return parts.at<int>(static_cast<int>(i)); };
+    for (std::size_t i = 0; i < stone.size(); ++i)
+      if (!stone.seen[i]) reaches[part(i)] = 1;
+    each_seen(stone, [&](std::size_t i) { stone.seen[i] = !reaches[part(i)]; });
   }
 }
 
 // Removes shadows, then form and rims. Stones of which nothing is in the light are left out.
-void clean(std::vector<Stone>& stones) {
+void clean(std::vector<Stone>& stones, const Work& work) {
   constexpr int kRounds = 3;  // shadows hide in the form of stones until some of them are known
   for (int round = 0; round < kRounds; ++round) {
+    std::erase_if(stones, [](const Stone& stone) { return seen_pixels(stone) < kLeastSeen; });
     std::vector<Stone> trial = stones;
+    work.check();
     remove_form(trial);
     remove_rims(trial);
     leave_out_shadows(trial);
@@ -279,7 +280,8 @@ std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& pro
       throw Error("size-mismatch",
                   fmt::format("profile {} is in section {} of {}", k + 1, p.section + 1, labels.sections),
                   "use labels and profiles of the same segmentation");
-    if (p.area > 0 && !p.touches_border && boxes[k].pixels >= kLeastPixels && p.area >= kVisible * p.whole)
+    if (p.area > 0 && p.color.allFinite() && !p.touches_border && boxes[k].pixels >= kLeastPixels &&
+        p.area >= kVisible * p.whole)
       usable.push_back(k);
   }
   return usable;
@@ -306,7 +308,7 @@ Outsides find_skins(const Image& image, const Labels& labels, const Profiles& pr
     const std::size_t k = usable[n];
     stones.push_back(cut_out(image, labels, profiles.profiles[k], static_cast<int>(k) + 1, boxes[k]));
   }
-  clean(stones);
+  clean(stones, work);
   Outsides out;
   out.relief = relief_of(stones, profiles.light);
   work.parallel(stones.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -80,8 +80,9 @@ struct Laying {
   double cost = 0;
 };
 
-// Stretches the skin, or turns it first until long axes agree, whichever costs less: a turned one shows its
-// relief in the wrong light, a stretched one has streaks. `mirror`: what happens to the skin before.
+// Stretches the skin, or turns it first until long axes agree, whichever costs less: a turned one shows what
+// light is left in it from the wrong side, a stretched one has streaks. `mirror`: what happens to the skin
+// before.
 Laying lay(const Transport& transport, const Mat2& mirror, const Mat2& spread) {
   const Mat2 mirrored = mirror * spread * mirror;
   const auto turned_by = [&](double angle) {
@@ -152,7 +153,7 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   if (has_ground()) smooth(ground_, footprint / detail.pixel_size);
   worn_.resize(particles.count());
   if (skins_.empty()) return;
-  take_pictures(detail.relief, work);
+  take_pictures(detail.relief, footprint > 0, work);
   covers_.assign(skins_.size(), 0);
   for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
   for (const Detail::Skin& skin : skins_) {
@@ -176,16 +177,16 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   }
 }
 
-void Skins::take_pictures(const Detail::Relief& relief, const Work& work) {
+void Skins::take_pictures(const Detail::Relief& relief, bool reduced, const Work& work) {
   constexpr int kFewest = 4;  // pixels of the shorter side
   pictures_.resize(skins_.size());
   work.parallel(skins_.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       std::vector<Picture>& levels = pictures_[k];
       levels.push_back(with_relief(skins_[k], relief));
-      while (std::min(levels.back().width, levels.back().height) >= 2 * kFewest)
+      while (reduced && std::min(levels.back().width, levels.back().height) >= 2 * kFewest)
         levels.push_back(halved(levels.back()));
-      skins_[k].shade = {};
+      skins_[k].shade = std::vector<Vec3f>();
     }
   });
 }
@@ -195,6 +196,7 @@ void Skins::take_pictures(const Detail::Relief& relief, const Work& work) {
 // are estimated as Wiener does, each wave by itself.
 Skins::Picture Skins::with_relief(const Detail::Skin& skin, const Detail::Relief& relief) {
   Picture out{skin.width, skin.height, {}};
+  out.texels.reserve(skin.shade.size());
   for (const Vec3f& shade : skin.shade) {
     out.texels.push_back(Texel::Zero());
     out.texels.back().head<3>() = shade;
@@ -232,6 +234,7 @@ Skins::Picture Skins::with_relief(const Detail::Skin& skin, const Detail::Relief
 // Means of four pixels.
 Skins::Picture Skins::halved(const Picture& p) {
   Picture out{p.width / 2, p.height / 2, {}};
+  out.texels.reserve(pixels_in(out.width, out.height));
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x) {
       const auto at = [&](int dx, int dy) { return p.texels[pixel_at(2 * x + dx, 2 * y + dy, p.width)]; };
@@ -255,7 +258,7 @@ void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed,
   const Eigen::Matrix2f laid = worn.to_skin.leftCols<2>();
   Eigen::Vector2f shown = laid * toward / std::sqrt(std::abs(laid.determinant()));
   if (!shown.allFinite()) return;
-  shown *= std::min(1.0F, kSteepest / std::max(kSteepest, shown.norm()));
+  shown *= kSteepest / std::max(kSteepest, shown.norm());
   worn.relit =
       Eigen::Vector2f(shown.dot(in_rows(photographed)) - 1, shown.dot(in_rows(quarter_turn(photographed))));
 }
@@ -288,8 +291,8 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   const Mat2 flip = Vec2(1, -1).asDiagonal();  // rows of pictures run downwards
   const Transport transport(flip * spread * flip);
   Random random(1, kSkinStream, particle);
-  // Half of the skins of other stones are seen in a mirror, left for right, so that fewer look alike; light
-  // mostly comes from above.
+  // Half of the skins of other stones are seen in a mirror, left for right, so that fewer look alike; what
+  // light is left in them mostly comes from above.
   const Mat2 mirror = Vec2(random.uniform() < 0.5 ? -1 : 1, 1).asDiagonal();
   Worn best;
   best.center = particles.position[particle].cast<float>();

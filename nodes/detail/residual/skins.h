@@ -63,7 +63,7 @@ class Skins {
   };
   static Picture with_relief(const Detail::Skin&, const Detail::Relief&);
   static Picture halved(const Picture&);
-  void take_pictures(const Detail::Relief&, const Work&);
+  void take_pictures(const Detail::Relief&, bool reduced, const Work&);
   void fit_level(Worn&, double footprint) const;
   void light_up(Worn&, const Eigen::Vector2f& photographed, const std::optional<Vec2>& light) const;
   std::optional<Worn> own_skin(const Shape&, const Particles&, std::size_t particle) const;

@@ -19,7 +19,8 @@ struct InterruptedPacking {
 struct PackOptions {
   PopulationOptions population;
   OnJam on_jam = OnJam::Fail;
-  // Particles lie with their flat side down (lying.h) instead of at random, and turn little (kMostTurn).
+  // Particles lie with their flat side down (lying.h) instead of at random, and turn little (kMostTurn, in
+  // each run that continues).
   bool lying = false;
   std::vector<double> long_axes;  // radians; directions of lying particles' long axes; empty: at random
   int iterations = 6000;          // steps until the particles are considered jammed; see Budget

@@ -85,10 +85,12 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   if (method.lies && usual_relief(candidates.outlines) < kRound)
     std::erase_if(candidates.outlines, [](const Outline& o) { return relief_of(o) >= kRound; });
   // The method that estimates all shapes together starts from several groups of profiles.
-  const std::size_t shapes =
-      method.run ? count_of_shapes(c, profiles, candidates.outlines.size() / each) : kFitHands;
+  const auto shapes_from = [&](std::size_t outlines) {
+    return method.run ? count_of_shapes(c, profiles, outlines / each) : kFitHands;
+  };
   const std::string rule = c.keyword("profiles");
   if (!rule.empty()) {
+    const std::size_t shapes = shapes_from(candidates.outlines.size());
     if (candidates.outlines.size() < each) too_few(profiles, candidates, each);
     if (method.run && candidates.outlines.size() < shapes * each)
       c.warn(fmt::format("{} shapes of {} profiles each share only {} profiles", shapes, each,
@@ -120,6 +122,7 @@ Chosen choose(Context& c, const Profiles& profiles, const EstimateMethod& method
   for (const auto id : ids)
     if (profiles.profiles[id - 1].touches_border)
       c.warn(fmt::format("profile {} is cut by the border, so its outline is incomplete", id));
+  const std::size_t shapes = shapes_from(ids.size());
   out.by_id = true;
   out.same = outlines.size() < shapes * each || shapes == 1;
   for (std::size_t s = 0; s < shapes; ++s) {
@@ -274,15 +277,16 @@ std::optional<ClassEstimate> estimate_by_form(Context& c, const Profiles& profil
   if (all.empty()) return {};
   const ProfileMeasuring how = measuring_of(all);
   const auto forms = forms_of(all, how);
-  if (!forms || all.size() - forms->not_compact.size() < kCompactLeast) return {};
+  const std::size_t least = std::max<std::size_t>(kCompactLeast, c.integer("profiles_per_shape"));
+  if (!forms || all.size() - forms->not_compact.size() < least) return {};
   CandidateOptions others = options;
   others.without = forms->not_compact;
   ClassEstimate out = estimate_class(c, profiles, others, work.part(0, 0.7));
   std::vector<Shape> bodies;
   const int count = c.optional_integer("count").value_or(kBodies);
   for (Mesh& mesh : lobed_bodies(forms->large, how, count, c.seed(), work.part(0.7, 0.9)))
-    bodies.push_back(measure_shape(fmt::format("lobed {}", bodies.size() + 1), std::move(mesh), 1.0 / count,
-                                   work.quiet()));
+    bodies.push_back(
+        measure_shape(fmt::format("lobed {}", bodies.size() + 1), std::move(mesh), 1, work.quiet()));
   std::vector<SeenProfile> seen;
   for (std::size_t i = 0; i < all.size(); ++i)
     seen.push_back({std::sqrt(4 * all[i].area / std::numbers::pi), profiles.profiles[all[i].id - 1].weight,
@@ -292,7 +296,7 @@ std::optional<ClassEstimate> estimate_by_form(Context& c, const Profiles& profil
   const double part = 1 / (1 + std::exp(-share.level));
   for (Shape& s : out.shapes) s.probability *= 1 - part;
   for (Shape& s : bodies) {
-    s.probability *= part;
+    s.probability = part / bodies.size();
     s.trend = {share.trend, share.middle};
     s.smooth = true;
     out.triangles += s.mesh.triangles.size();

@@ -166,7 +166,7 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::optional_integer("count", "auto")
                      .range(1, 100)
                      .doc_("Number of different shapes. With fit, the maximum: shapes of negligible weight "
-                           "are dropped. auto: 3, and 40 of a surface except with fit."))
+                           "are dropped. auto: 3, and up to 40 of a surface except with fit."))
       .parameter(Parameter::integer("profiles_per_shape", 3)
                      .range(1, 12)
                      .doc_("Number of profiles per shape, within the limits of the method"))

@@ -38,8 +38,9 @@ KMatrix make_kmatrix(const Shapes& shapes, const KMatrixOptions& options, const 
   const double count = shapes.shapes.size();
   // Errors of single shapes average out in a mixture of many.
   constexpr std::size_t kManyShapes = 24;
-  const std::size_t orientations =
-      options.orientations * kManyShapes / std::max(kManyShapes, shapes.shapes.size());
+  std::size_t orientations = options.orientations;
+  if (orientations > 0 && shapes.shapes.size() > kManyShapes)
+    orientations = std::max<std::size_t>(2, orientations * kManyShapes / shapes.shapes.size());
   std::size_t most = 0;
   for (std::size_t i = 0; i < shapes.shapes.size(); ++i) {
     const Shape& shape = shapes.shapes[i];

@@ -106,7 +106,7 @@ TEST(Skins, ContinueBeyondTheOutlineWithTheirTexture) {
   }
 }
 
-// A neighbor's shadow reaches from the outline into a fifth of each stone.
+// A neighbor's shadow reaches from the outline into a fifth of every third stone.
 TEST(Skins, HaveNoShadowsOfNeighbors) {
   const test::DrawnPicture drawn = test::draw_disks(400, kStep, kRadius, [](int x, int y, int id) {
     const double grain = Random(7, id, 1000 * y + x).uniform(-0.1, 0.1);

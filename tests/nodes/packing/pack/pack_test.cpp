@@ -73,7 +73,6 @@ TEST(Pack, StonesOfASurfaceKeepTheirDirection) {
   Profiles surface = ellipses(0.5);
   surface.view = View::Surface;
   surface.window = Vec2(9, 7);
-  const Shapes shapes = test::shapes_of({test::ellipsoid(2)});
   const auto bed = pack_any(0.6, {}, &surface);
   const Particles& stones = bed.output<Particles>("particles");
   int along = 0;
