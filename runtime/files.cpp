@@ -20,6 +20,13 @@
 namespace terrazzo {
 namespace fs = std::filesystem;
 
+bool is_inside(const fs::path& folder, const fs::path& path) {
+  std::error_code error;
+  const fs::path real = fs::weakly_canonical(path, error);
+  return !error &&
+         std::mismatch(folder.begin(), folder.end(), real.begin(), real.end()).first == folder.end();
+}
+
 std::vector<fs::path> expand_glob(const fs::path& pattern) {
   std::vector<fs::path> found{pattern.root_path()};
   for (const auto& part : pattern.relative_path()) {

@@ -17,6 +17,9 @@ class ProtectedFiles;  // runtime/files/protected_files.h
 // The existing files that match `pattern`, sorted. *, ? and [] match within one path component.
 std::vector<std::filesystem::path> expand_glob(const std::filesystem::path& pattern);
 
+// Whether a path lies in a folder once links are resolved, if it exists. `folder`: with its links resolved.
+bool is_inside(const std::filesystem::path& folder, const std::filesystem::path&);
+
 // A new, empty file in `folder` with a temporary name. The destructor removes it unless it was renamed. The
 // name contains the host name and 64 random bits, so writers on other hosts and in other containers never
 // choose the same one.

@@ -40,14 +40,6 @@ std::string text_in(const json& j, const char* name) {
   return it != j.end() && it->is_string() ? it->get<std::string>() : "";
 }
 
-// Whether the file is in the folder once links are resolved, if it exists.
-bool is_inside(const fs::path& folder, const fs::path& file) {
-  std::error_code error;
-  const fs::path real = fs::weakly_canonical(file, error);
-  return !error &&
-         std::mismatch(folder.begin(), folder.end(), real.begin(), real.end()).first == folder.end();
-}
-
 class Inside {
  public:
   explicit Inside(const fs::path& folder) : folder_(fs::canonical(folder)) {}

@@ -163,7 +163,7 @@ std::string Candidates::text() const {
   add(too_small, "too small");
   add(faulty, "with a contour that crosses itself or encloses no area");
   add(other_class, "of other classes");
-  add(other_form, "of lobed particles");
+  add(other_form, "not compact");
   return parts;
 }
 

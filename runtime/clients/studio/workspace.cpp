@@ -6,18 +6,14 @@
 
 #include "graph/diagnostic.h"
 #include "graph/text/utf8.h"
+#include "runtime/files.h"
 
 namespace terrazzo::studio {
 namespace fs = std::filesystem;
 
 Workspace::Workspace(const fs::path& folder) : folder_(fs::weakly_canonical(folder)) {}
 
-bool Workspace::contains(const fs::path& path) const {
-  std::error_code error;
-  const fs::path real = fs::weakly_canonical(path, error);
-  if (error) return false;
-  return std::mismatch(folder_.begin(), folder_.end(), real.begin(), real.end()).first == folder_.end();
-}
+bool Workspace::contains(const fs::path& path) const { return is_inside(folder_, path); }
 
 fs::path Workspace::resolve(const std::string& name) const {
   const bool control = std::ranges::any_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20; });

@@ -2,7 +2,7 @@
 // the observed states as one JSON object.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { openPage, report, result, start } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 const graph = join(folder, 'marble.yaml');
@@ -14,11 +14,7 @@ nodes:
 `);
 const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
 await report(server, async () => {
-  const browser = await launch(executablePath);
-  const page = await browser.newPage({ viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
-  page.setDefaultTimeout(60000);
-  const { card, until, idle, check } = watch(page);
-  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const { page, shot, card, until, idle, check } = await openPage(executablePath, { viewport: { width: 1280, height: 800 }, colorScheme: 'dark' });
   const selected = () => page.locator('.react-flow__node.selected').evaluateAll(all => all.map(n => n.dataset.id));
   const focused = () => page.evaluate(() => document.activeElement?.getAttribute('aria-label') ?? document.activeElement?.textContent);
   await page.goto(address);

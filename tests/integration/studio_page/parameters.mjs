@@ -2,7 +2,7 @@
 // back. Prints the observed states as one JSON object.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { openPage, report, result, start } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 const graph = join(folder, 'marble.yaml');
@@ -18,11 +18,7 @@ nodes:
 `);
 const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
 await report(server, async () => {
-  const browser = await launch(executablePath);
-  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
-  page.setDefaultTimeout(60000);
-  const { card, until, idle, check } = watch(page);
-  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const { page, shot, card, until, idle, check } = await openPage(executablePath, { viewport: { width: 1440, height: 900 }, colorScheme: 'dark' });
   await page.goto(address);
   await idle();
   await card('photo').click();

@@ -3,6 +3,7 @@ import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { join } from 'node:path';
 import { chromium } from 'playwright-core';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -19,6 +20,14 @@ export async function start(program, args, options = {}) {
 export async function launch(executablePath, ...args) {
   browsers.push(await chromium.launch({ executablePath, args: ['--no-sandbox', ...args] }));
   return browsers.at(-1);
+}
+
+// A page in a browser of its own, with what watch() returns, and `shot(name)`, which saves a picture if SHOTS names a folder.
+export async function openPage(executablePath, options) {
+  const page = await (await launch(executablePath)).newPage(options);
+  page.setDefaultTimeout(60000);
+  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  return { page, shot, ...watch(page) };
 }
 
 // Does `work`, adds its error to the result, ends the browsers and the Studio, and prints the result.

@@ -2,7 +2,7 @@
 // states as one JSON object.
 import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { openPage, report, result, start } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 mkdirSync(join(folder, 'library'));
@@ -26,11 +26,7 @@ outputs: {labels: veins.labels}
 `);
 const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
 await report(server, async () => {
-  const browser = await launch(executablePath);
-  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: 'light' });
-  page.setDefaultTimeout(60000);
-  const { card, until, idle, check } = watch(page);
-  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const { page, shot, card, until, idle, check } = await openPage(executablePath, { viewport: { width: 1440, height: 900 }, colorScheme: 'light' });
   await page.goto(address);
   const before = await idle();
   await card('veins').dblclick();

@@ -2,7 +2,7 @@
 // observed states as one JSON object.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { openPage, report, result, start } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 const graph = join(folder, 'marble.yaml');
@@ -21,11 +21,7 @@ nodes:
 `);
 const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
 await report(server, async () => {
-  const browser = await launch(executablePath);
-  const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: process.env.SCHEME ?? 'dark' });
-  page.setDefaultTimeout(60000);
-  const { card, state, until, idle, check } = watch(page);
-  const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const { page, shot, card, state, until, idle, check } = await openPage(executablePath, { viewport: { width: 1440, height: 900 }, colorScheme: process.env.SCHEME ?? 'dark' });
   const tiles = page.locator('.tiles button');
   const finished = () => until('all variants are done', s => s.variants && !s.variants.running);
   await page.goto(address);
