@@ -13,6 +13,7 @@
 #include "graph/input_file.h"
 #include "runtime/bundle/temporary_folder.h"
 #include "runtime/bundle/zip_file.h"
+#include "runtime/cache/file_hashes.h"
 #include "runtime/files.h"
 #include "runtime/files/json_input.h"
 
@@ -129,6 +130,17 @@ fs::path open_bundle(const fs::path& bundle, const Registry& registry) {
   fs::path file = check_bundle(folder.path(), registry);
   extracted.push_back(std::move(folder));
   return file;
+}
+
+fs::path keep_bundle(const fs::path& bundle, const fs::path& folder, const Registry& registry) {
+  if (fs::is_directory(bundle)) return check_bundle(bundle, registry);
+  const auto hash = FileHashes().hash(bundle);
+  if (!hash) throw no_bundle(bundle, "it cannot be read");
+  const fs::path own = folder / (bundle.stem().string() + "-" + hash->text().substr(0, 12));
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!is_bundle(own)) extract_bundle(bundle, own, registry);
+  return check_bundle(own, registry);
 }
 
 void extract_bundle(const fs::path& zip, const fs::path& folder, const Registry& registry) {

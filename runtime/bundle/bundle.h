@@ -38,6 +38,11 @@ std::filesystem::path check_bundle(const std::filesystem::path& folder, const Re
 // process ends.
 std::filesystem::path open_bundle(const std::filesystem::path& bundle, const Registry&);
 
+// The same, but an archive is extracted below `folder`, in a folder named after its content, where it stays
+// and other processes find it.
+std::filesystem::path keep_bundle(const std::filesystem::path& bundle, const std::filesystem::path& folder,
+                                  const Registry&);
+
 // Extracts an archive into a folder that does not exist yet, and checks it before it gets its name. Throws
 // what extract_zip() and check_bundle() throw, and Error "file-exists".
 void extract_bundle(const std::filesystem::path& zip, const std::filesystem::path& folder, const Registry&);

@@ -91,6 +91,25 @@ TEST_F(BundleTest, OpenAnywhere) {
   EXPECT_EQ(test::run_program({"check", (folder / "two.zip").string()}).exit_code, 0);
 }
 
+// A sweep of an archive has its graph below the output folder, and goes on there.
+TEST_F(BundleTest, CanBeSwept) {
+  const fs::path bundle = folder / "two.zip", out = folder / "out";
+  ASSERT_EQ(program({"bundle", graph.string(), "--out", bundle.string()}).exit_code, 0);
+  fs::rename(folder / "home", folder / "gone");
+  fs::remove_all(folder / "elsewhere");
+  const std::vector<std::string> sweep{"sweep", bundle.string(), "--vary", "sheet.cell=60,80",
+                                       "--out", out.string()};
+  for (const char* counted : {"2 points", "again"}) {
+    const auto run = program(sweep);
+    EXPECT_EQ(run.exit_code, 0) << counted << run.err;
+  }
+  EXPECT_TRUE(fs::exists(out / "sweep.csv"));
+  std::size_t folders = 0;
+  for (const auto& entry : fs::directory_iterator(out))
+    folders += entry.path().filename().string().starts_with("two-");
+  EXPECT_EQ(folders, 1u);
+}
+
 TEST_F(BundleTest, EqualMaterialsGiveEqualBytes) {
   for (const std::string name : {"1.zip", "2.zip"})
     ASSERT_EQ(

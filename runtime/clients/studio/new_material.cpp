@@ -115,21 +115,6 @@ Image picture_of(const std::string& bytes, const std::string& name) {
   return read_picture(file.path(), name);
 }
 
-// Writes a file under a name, or with a number if that exists. If one of these files has the content already,
-// it is taken.
-NewFile write_once(const fs::path& name, const std::string& content) {
-  fs::path next = name;
-  std::error_code error;
-  for (int number = 2; fs::exists(next, error); ++number) {
-    if (read_file(next) == content) return {next, false};
-    next = name.parent_path() /
-           (name.stem().string() + "_" + std::to_string(number) + name.extension().string());
-  }
-  SaveFile file = SaveFile::numbered(name);
-  file.write([&](const fs::path&) { return content; });
-  return {file.path(), true};
-}
-
 NewFile write_graph(const fs::path& photo, const fs::path& folder, Content content,
                     const Settings& settings) {
   const std::string relative = photo.lexically_proximate(fs::absolute(folder)).string();
@@ -197,6 +182,19 @@ std::string graph_of_photograph(const std::string& photo, const std::string& tit
                          {Edit::Kind::SetDefault, "", name, read_written(yaml_word(value))});
   text = name_files(std::move(text), source.doc.file, title);
   return set_yaml_entry(text, {"name"}, yaml_word(title)).value_or(text);
+}
+
+NewFile write_once(const fs::path& name, const std::string& content) {
+  fs::path next = name;
+  std::error_code error;
+  for (int number = 2; fs::exists(next, error); ++number) {
+    if (read_file(next) == content) return {next, false};
+    next = name.parent_path() /
+           (name.stem().string() + "_" + std::to_string(number) + name.extension().string());
+  }
+  SaveFile file = SaveFile::numbered(name);
+  file.write([&](const fs::path&) { return content; });
+  return {file.path(), true};
 }
 
 media::Recommendation recommend(const std::string& bytes, const std::string& name) {

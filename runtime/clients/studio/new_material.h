@@ -34,6 +34,10 @@ struct NewFile {
   bool written;  // else the file existed, with this content
 };
 
+// Writes a file under a name, or with a number if that exists. If one of these files has the content already,
+// it is taken. Throws Error "write-failed".
+NewFile write_once(const std::filesystem::path&, const std::string& content);
+
 // Writes a graph of the photograph's particles into a folder, as "STEM.yaml", or with a number if that is
 // another graph. Throws Error "unreadable-image" and others of read_image(), "bad-name", "write-failed".
 NewFile create_graph(const std::filesystem::path& photo, const std::filesystem::path& folder,

@@ -1,7 +1,7 @@
 // node check.mjs TERRAZZO GRAPH CHROMIUM: works on GRAPH like a user: looks, edits, wires, undoes, saves. Prints the observed
 // states as one JSON object.
 import { readFileSync } from 'node:fs';
-import { launch, result, start, watch } from './session.mjs';
+import { drawn, fitted, launch, result, sooner, start, watch } from './session.mjs';
 
 const [, , program, graph, executablePath] = process.argv;
 const { server, address } = await start(program, [graph, '--no-cache']);
@@ -72,6 +72,7 @@ try {
 
   // A node that is moved, and a note, are steps of undo.
   const placeOf = async name => { const b = await card(name).boundingBox(); return [Math.round(b.x), Math.round(b.y)]; };
+  const comesTo = async (name, at) => near(await sooner(() => placeOf(name), now => near(now, at)), at);
   const near = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]) < 3;
   const places = () => page.evaluate(async () => (await (await fetch('/api/state')).json()).document.arrangement);
   const home = await placeOf('sheet'), at = await card('sheet').locator('header').boundingBox();
@@ -89,30 +90,29 @@ try {
   result.note_undone = near(await placeOf('sheet'), away) && !near(home, away);
   await page.click('button:has-text("Undo")');
   await page.waitForFunction(async () => !(await (await fetch('/api/state')).json()).document.arrangement.places);
-  await page.waitForTimeout(100);
-  result.move_undone = near(await placeOf('sheet'), home);
+  result.move_undone = await comesTo('sheet', home);
   await page.click('button:has-text("Redo")');
-  await page.waitForTimeout(300);
-  result.move_redone = near(await placeOf('sheet'), away);
+  result.move_redone = await comesTo('sheet', away);
   await page.click('button:has-text("Undo")');
-  await page.waitForTimeout(300);
+  await comesTo('sheet', home);
   result.arrangement = await places();
 
   // A node is added, wired by dragging, and saved.
   await page.click('.react-flow__pane', { position: { x: 500, y: 40 } });
-  await page.waitForTimeout(100);
+  await drawn(page);
   const still = await placeOf('sheet');
   await page.click('button:has-text("Add node")');
   await page.keyboard.type('Export');
   await page.keyboard.press('Enter');
   await card('export').waitFor();
-  await page.waitForTimeout(150);
+  await drawn(page);
   result.stays_put = near(await placeOf('sheet'), still);
   await page.click('button:has-text("Arrange")');
   await page.click('button:has-text("Fit")');
-  await page.waitForTimeout(400);
+  await fitted(page);
   await card('export').click();
-  await page.waitForTimeout(200);
+  await page.waitForSelector('.react-flow__node.selected[data-id="export"] .react-flow__handle[data-handleid="image"]');
+  await drawn(page);
   const center = async locator => { const b = await locator.boundingBox(); return [b.x + b.width / 2, b.y + b.height / 2]; };
   const from = await center(card('sheet').locator('.react-flow__handle[data-handleid="image"]'));
   const to = await center(card('export').locator('.react-flow__handle[data-handleid="image"]'));

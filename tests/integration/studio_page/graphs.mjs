@@ -2,7 +2,7 @@
 // object.
 import { writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { drawn, fitted, launch, report, result, start, watch } from './session.mjs';
 
 const [, , program, folder, executablePath, source] = process.argv;
 const graph = join(folder, 'outputs.yaml');
@@ -28,19 +28,28 @@ await report(server, async () => {
     await fetch('/api/edit', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) });
   }, edits);
   const view = page => page.evaluate(() => document.querySelector('.react-flow__viewport').style.transform);
-  // Until the view shows what fits of the graph as it is now.
-  const fitted = async page => {
-    await page.waitForFunction(() => {
-      const flow = document.querySelector('.flow');
-      return flow.dataset.fitted === `${flow.clientWidth} ${flow.clientHeight} ${document.querySelectorAll('.react-flow__node').length}`;
-    });
-    return view(page);
-  };
+  const fittedView = async page => { await fitted(page); return view(page); };
   const focused = page => page.evaluate(() => document.activeElement.textContent);
   const fits = page => page.waitForFunction(() => {
     const flow = document.querySelector('.flow').getBoundingClientRect(), cards = [...document.querySelectorAll('.card')].map(c => c.getBoundingClientRect());
     return cards.length && cards.every(c => c.left >= flow.left && c.right <= flow.right && c.top >= flow.top && c.bottom <= flow.bottom);
   });
+  // The nodes of the card of checks, one by one, and what has the card's place when they are folded again.
+  const openChecks = async page => {
+    const ids = () => page.locator('.react-flow__node').evaluateAll(all => all.map(n => n.dataset.id));
+    const before = await ids();
+    await page.click('.card.folded:has-text("checks") >> text=nodes');
+    await page.waitForSelector('.react-flow__node[data-id="observer"]');
+    const opened = (await ids()).filter(n => !before.includes(n)).sort();
+    await page.click('button:text-is("Fold")');
+    await page.locator('.react-flow__node[data-id="observer"]').waitFor({ state: 'detached' });
+    // A node that is looked for is shown.
+    await page.keyboard.press('Control+k');
+    await page.keyboard.type('compare_sizes');
+    await page.keyboard.press('Enter');
+    await page.waitForSelector('.react-flow__node.selected[data-id="compare_sizes"]');
+    return opened;
+  };
   const places = page => page.evaluate(() => Object.fromEntries([...document.querySelectorAll('.react-flow__node')].map(n => [n.dataset.id, n.style.transform])));
 
   // The standard graph, with names that can be read, and nothing over the graph.
@@ -60,11 +69,12 @@ await report(server, async () => {
           cut: names.filter(b => Math.round(b.offsetHeight / parseFloat(getComputedStyle(b).lineHeight)) > b.textContent.split('_').length || b.scrollHeight > b.offsetHeight + 4 || b.scrollWidth > b.offsetWidth + 2).map(b => b.textContent),
           over: [...document.querySelectorAll('.tools, .react-flow__minimap, .react-flow__controls')].filter(e => e.getBoundingClientRect().bottom > flow.top + 1).length,
           seen: [...document.querySelectorAll('.card')].filter(c => { const r = c.getBoundingClientRect(); return r.left >= flow.left && r.right <= flow.right && r.top >= flow.top && r.bottom <= flow.bottom; }).length,
-          outputs: document.querySelector('.card.folded b').textContent,
+          folded: [...document.querySelectorAll('.card.folded b')].map(b => b.textContent).sort().join(', '),
         };
       });
       if (name === '200 %') await check(name);
       await shot(page, `graph_${width}`);
+      if (name === '1440×900') result.checks = await openChecks(page);
       await page.close();
     }
   } finally {
@@ -82,14 +92,14 @@ await report(server, async () => {
   // A window of another size shows all, unless the user chose a part.
   await page.setViewportSize({ width: 1100, height: 640 });
   await fits(page);
-  result.smaller = await fitted(page);
+  result.smaller = await fittedView(page);
   await page.mouse.move(300, 500);
   await page.mouse.wheel(0, -300);
   await page.waitForFunction(before => document.querySelector('.react-flow__viewport').style.transform !== before, result.smaller);
   const chosen = await view(page), width = await page.evaluate(() => document.querySelector('.flow').clientWidth);
   await page.setViewportSize({ width: 1440, height: 900 });
   await page.waitForFunction(before => document.querySelector('.flow').clientWidth > before, width);
-  await page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))); // the page knows its new size
+  await drawn(page); // the page knows its new size
   result.keeps_part = (await view(page)) === chosen;
   await page.click('button:text-is("Fit")');
   await fits(page);
@@ -117,7 +127,7 @@ await report(server, async () => {
   await page.click('text=more optional inputs');
   result.inputs.push(await offered());
   await page.click('.react-flow__pane', { position: { x: 20, y: 20 } });
-  await page.click('button:text-is("Fold outputs")');
+  await page.click('button:text-is("Fold")');
   await page.waitForSelector('.card.folded');
   await fits(page);
   await page.waitForFunction(() => document.activeElement !== document.body);

@@ -49,7 +49,7 @@ await report(server, async () => {
   result.binder_after = await table(s, 'segment', 'binder');
 
   // Two stones are split: with the mouse, and with the keyboard.
-  const stones = s.nodes.segment.metrics.profiles;
+  const stones = s.nodes.segment.metrics.profiles, cards = await page.locator('.card').count();
   await page.click('button:has-text("Split")');
   await page.mouse.move(...at(80, 76));
   await page.mouse.down();
@@ -58,11 +58,14 @@ await report(server, async () => {
   s = await until('a stone is split', s => done(s)('measure'));
   result.split_by_mouse = s.nodes.measure.metrics.profiles - stones;
   await page.waitForFunction(() => document.querySelector('.tabs b')?.textContent === 'edit_labels');
+  await card('segment').locator('text=1 correction').waitFor();
+  result.cards_added = (await page.locator('.card').count()) - cards;
+  result.chosen_card = await page.locator('.react-flow__node.selected').evaluateAll(all => all.map(n => n.dataset.id));
   await page.click('button:has-text("Undo")');
   result.undone = (await until('the correction is undone', s => !s.nodes.edit_labels)).document.nodes.every(n => n.name !== 'measure');
   await page.click('button:has-text("Redo")');
   await until('it is done again', s => done(s)('measure'));
-  await card('edit_labels').click();
+  await card('segment').locator('text=/correction/').click();
   await page.waitForSelector('.panzoom .content canvas');
   await check('tools');
   await page.locator('.panzoom').focus();
@@ -81,7 +84,7 @@ await report(server, async () => {
   await idle();
 
   // The inspector adds an item to the list of corrections, and removes it.
-  await card('edit_labels').click();
+  await card('segment').locator('text=/correction/').click();
   const items = page.locator('.items li'), corrections = await items.count();
   const listed = n => page.waitForFunction(n => document.querySelectorAll('.items li').length === n, n);
   await page.fill('[aria-label="Add to edits"]', 'ignore 0 0 2 2');
@@ -114,7 +117,10 @@ await report(server, async () => {
   await page.mouse.up();
   await until('the section is another', s => s.document.text.includes('offsets: ') && done(s)('section') && s.nodes.section.outputs.image.hash !== hash);
   await check('plane');
-  await page.waitForTimeout(500);
+  await page.waitForFunction(async () => {
+    const offset = /offsets: \[?([\d.]+)/.exec((await (await fetch('/api/state')).json()).document.text)?.[1];
+    return Math.abs(offset - document.querySelector('.plane input[type=range]').value) < 0.02;
+  });
   await idle();
 
   await page.keyboard.press('Control+s');

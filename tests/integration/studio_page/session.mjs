@@ -30,6 +30,23 @@ export async function openPage(executablePath, options) {
   return { page, shot, ...watch(page) };
 }
 
+// Until the view shows what fits of the graph as it is now.
+export const fitted = page => page.waitForFunction(() => {
+  const flow = document.querySelector('.flow');
+  return flow.dataset.fitted === `${flow.clientWidth} ${flow.clientHeight} ${document.querySelectorAll('.react-flow__node').length}`;
+});
+// Until the page has drawn what it knows.
+export const drawn = page => page.evaluate(() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+// Repeats `look` until `good` holds of what it gives, at most 10 s, and returns that.
+export async function sooner(look, good) {
+  for (const end = Date.now() + 10000; ;) {
+    const seen = await look();
+    if (good(seen) || Date.now() > end) return seen;
+    await new Promise(done => setTimeout(done, 50));
+  }
+}
+
 // Does `work`, adds its error to the result, ends the browsers and the Studio, and prints the result.
 export async function report(server, work) {
   try {

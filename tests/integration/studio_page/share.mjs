@@ -67,10 +67,43 @@ await report(server, async () => {
   await page.keyboard.press('Control+s');
   await until('the copy is saved', s => s.document.saved);
 
-  // Opened again, the bundle is the copy, with what was changed.
+  // Dropped on the page, a bundle from elsewhere opens; one that has other content gets a number, and what is none is refused.
+  const drop = async (name, bytes) => {
+    const files = await page.evaluateHandle(([name, data]) => {
+      const files = new DataTransfer();
+      files.items.add(new File([Uint8Array.from(atob(data), c => c.charCodeAt(0))], name, { type: 'application/zip' }));
+      return files;
+    }, [name, bytes.toString('base64')]);
+    for (const type of ['dragover', 'drop']) await page.dispatchEvent('.canvas', type, { dataTransfer: files });
+  };
+  const shared = readFileSync(join(folder, 'work', 'two.zip'));
+  await drop('granite.zip', shared);
+  await until('it is open', s => s.document.file === join(folder, 'work', 'granite', 'two.yaml'));
+  result.dropped = (await idle()).nodes.sheet.outputs.image.hash === before;
+  // A folder, as the browser gives it, with the files of the one that is open.
+  await page.evaluate(async text => {
+    const file = (name, content) => ({ name, isDirectory: false, file: done => done(new File(content, name)) });
+    const folder = (name, all) => ({ name, isDirectory: true, createReader: () => ({ readEntries: done => done(all.splice(0)) }) });
+    const png = await (await fetch('/api/bundle_picture?file=granite')).blob();
+    DataTransferItem.prototype.webkitGetAsEntry = () => folder('slate', [
+      file('bundle.json', ['{"terrazzo_bundle": 1, "graph": "two.yaml", "title": "Slate"}']), file('two.yaml', [text]), folder('files', [file('photo.png', [png])]),
+    ]);
+  }, result.text);
+  await drop('slate', Buffer.from(''));
+  await until('the folder is open', s => s.document.file === join(folder, 'work', 'slate', 'two.yaml'));
+  result.folder = (await idle()).nodes.sheet.state;
+  await page.evaluate(() => { delete DataTransferItem.prototype.webkitGetAsEntry; });
+  await drop('broken.zip', shared.subarray(0, 300));
+  await page.waitForSelector('.notices .bad');
+  result.broken = await page.textContent('.notices .bad b');
+  result.errors.splice(0);
+  await page.click('.notices >> text=Dismiss');
+  result.left = existsSync(join(folder, 'work', 'broken.zip'));
   await page.click('text=New or open…');
-  await bundle.first().waitFor();
-  result.still = await bundle.count();
-  await bundle.first().click();
+
+  // Opened again, the bundle is the copy, with what was changed.
+  const listed = await page.waitForFunction(() => { const all = [...document.querySelectorAll('[aria-label=Bundles] button')].map(b => b.title); return all.length > 2 && all; });
+  result.listed = (await listed.jsonValue()).sort();
+  await page.click('[aria-label=Bundles] button[title=two]');
   result.again = /cell: 100/.test((await until('the copy is there', s => s.document.file.endsWith('two/two.yaml'))).document.text);
 });

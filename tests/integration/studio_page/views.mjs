@@ -1,7 +1,7 @@
 // node views.mjs TERRAZZO FOLDER CHROMIUM: uses the views of a graph with solids like a user. Prints the observed states as one JSON object.
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, start, watch } from './session.mjs';
+import { launch, report, result, sooner, start, watch } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 const graph = join(folder, 'solids.yaml');
@@ -30,8 +30,8 @@ await report(server, async () => {
   await page.goto(address);
   const shot = async (name, p = page) => process.env.SHOTS && p.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
   // Colors of a screenshot of the drawing: how many differ, coarsely.
-  const colors = async (where, p = page) => {
-    await p.waitForTimeout(300);
+  const colors = (where, p = page, least = 12) => sooner(() => colorsNow(where, p), n => n > least);
+  const colorsNow = async (where, p) => {
     const png = (await p.locator(where).screenshot()).toString('base64');
     return p.evaluate(async data => {
       const image = new Image();
@@ -57,8 +57,8 @@ await report(server, async () => {
   const before = await page.locator('.stage3d').screenshot();
   await page.locator('.stage3d').focus();
   await page.keyboard.press('ArrowRight');
-  await page.waitForTimeout(300);
-  result.turned = !before.equals(await page.locator('.stage3d').screenshot());
+  const turned = (p, where, before) => sooner(async () => !before.equals(await p.locator(where).screenshot()), now => now);
+  result.turned = await turned(page, '.stage3d', before);
   const place = await page.locator('.stage3d').boundingBox();
   for (const [dx, dy] of [[0, 0], [12, 9], [-14, 6], [20, -16]]) {
     await page.mouse.click(place.x + place.width / 2 + dx, place.y + place.height / 2 + dy);
@@ -120,7 +120,6 @@ await report(server, async () => {
   await page.locator('.plane input[type=range]').first().focus();
   for (let k = 0; k < 12; ++k) await page.keyboard.press('ArrowRight');
   let s = await until('the section follows', s => /offsets/.test(s.document.text) && s.nodes.section.state === 'computed' && s.nodes.section.outputs.image.hash !== cut);
-  await page.waitForTimeout(1200);
   result.plane_colors = await colors('.cutting .stage3d');
   await shot('plane');
   await page.selectOption('.plane select', 'free');
@@ -174,7 +173,7 @@ await report(server, async () => {
   await card('part').dblclick();
   await card('part/inner').waitFor();
   await card('part/inner').click();
-  result.inside = await page.textContent('.inspector .title');
+  result.inside = await page.inputValue('.inspector input.name');
   await page.waitForSelector('.panzoom canvas');
   await shot('subgraph');
   await check('subgraph');
@@ -185,8 +184,8 @@ await report(server, async () => {
   await page.click('.tools button:has-text("Note")');
   await page.fill('.note textarea', 'Why marble?');
   await page.click('.react-flow__pane', { position: { x: 30, y: 500 } });
-  await page.waitForTimeout(800);
-  result.note = existsSync(join(folder, 'solids.yaml.studio.json')) && JSON.parse(readFileSync(join(folder, 'solids.yaml.studio.json'), 'utf8')).notes?.[0]?.text;
+  const arrangement = join(folder, 'solids.yaml.studio.json');
+  result.note = await sooner(() => existsSync(arrangement) && JSON.parse(readFileSync(arrangement, 'utf8')).notes?.[0]?.text, text => text);
   await page.mouse.move(300, 300);
   await page.keyboard.press('Tab');
   await page.keyboard.type('TextureNib');
@@ -240,7 +239,7 @@ await report(server, async () => {
   await plain.goto(address);
   const rendered = async where => {
     await plain.waitForSelector(`${where}.rendered canvas`);
-    return { says: await plain.textContent(`${where}.rendered figcaption`), colors: await colors(`${where}.rendered canvas`, plain) };
+    return { says: await plain.textContent(`${where}.rendered figcaption`), colors: await colors(`${where}.rendered canvas`, plain, 6) };
   };
   const open = async (node, tab) => {
     await plain.locator(`.react-flow__node[data-id="${node}"]`).click();
@@ -252,8 +251,7 @@ await report(server, async () => {
   const seen = await plain.locator('.rendered canvas').screenshot();
   await plain.focus('.rendered input[type=range]');
   await plain.keyboard.press('End');
-  for (let k = 0; k < 200 && (await plain.locator('.rendered canvas').screenshot()).equals(seen); ++k) await plain.waitForTimeout(100);
-  result.turned_without = !(await plain.locator('.rendered canvas').screenshot()).equals(seen);
+  result.turned_without = await turned(plain, '.rendered canvas', seen);
   await without.check('without WebGL');
   await shot('without_webgl', plain);
   await open('shape');

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "graph/exception_text.h"
+#include "runtime/bundle/bundle.h"
 #include "runtime/cache/disk_cache.h"
 #include "runtime/clients/cli/commands.h"
 #include "runtime/clients/cli/placeholders.h"
@@ -139,6 +140,7 @@ int sweep(const Program& program, SweepCommand& o) {
   for (const auto& v : o.vary) vary.push_back(parse_vary(v));
   SweepPoints all(std::move(vary), overrides(o));
   const NodeSet& nodes = program.nodes();  // loaded first: session_options checks the address space left
+  if (is_bundle(o.graph)) o.graph = keep_bundle(o.graph, o.out, nodes.registry).string();
   Session session(nodes.registry, nodes.types, session_options(o));
   const auto plan = plan_sweep(program, session, o, std::move(all));
   if (!plan) return kWrongUsage;

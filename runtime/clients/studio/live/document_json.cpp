@@ -68,6 +68,16 @@ void add_bypassed(json& document, const Graph& graph, const std::string& prefix)
   }
 }
 
+void add_file(json& document, const Document& d) {
+  document["file"] = d.file().string();
+  document["text"] = d.text();
+  document["saved"] = d.saved();
+  document["read_only"] = d.read_only();
+  document["can_undo"] = d.can_undo();
+  document["can_redo"] = d.can_redo();
+  document["arrangement"] = arrangement_json(d.arrangement());
+}
+
 json json_of(const RawDocument& doc, const Registry& registry, bool drawn) {
   json nodes = json::array();
   json outputs = json::array();

@@ -5,6 +5,7 @@
 
 #include "graph/document/raw_document.h"
 #include "graph/graph.h"
+#include "runtime/clients/studio/live/document.h"
 
 namespace terrazzo::studio {
 
@@ -16,5 +17,8 @@ nlohmann::json json_of(const RawDocument&, const Registry&, bool drawn = true);
 // Adds `inner` to the bypassed nodes of such a document: by output, the path and port that is read instead.
 // `prefix`: "" or "SUBGRAPH/", where the document is in the graph.
 void add_bypassed(nlohmann::json& document, const Graph&, const std::string& prefix);
+
+// Adds what a document is as a file: {file, text, saved, read_only, can_undo, can_redo, arrangement}.
+void add_file(nlohmann::json& document, const Document&);
 
 }  // namespace terrazzo::studio

@@ -104,6 +104,7 @@ void LiveGraph::open(Document document, bool discard, std::optional<bool> live) 
   }
   then_.clear();
   document_ = std::move(document);
+  inside_.clear();
   document_.look_for_left();  // of the former one, if it has the same file
   overrides_ = {};            // they belong to the graph of the command line
   states_.clear();

@@ -33,14 +33,20 @@ class LiveGraph {
   nlohmann::json state();
   const EventLog& events() const { return events_; }
 
-  // Changes the document, and reports it. What `apply` throws leaves the document as it was.
+  // Changes the document, and reports it. What `apply` throws leaves the document as it was. `scope`: the
+  // path of a node that is a subgraph: then its file is changed, and saved at once. Throws Error
+  // "unknown-node", and "read-only" for a file outside the folder of the graph, or of a graph that is read
+  // only.
   template <class Change>
-  void change(Change&& apply) {
+  void change(Change&& apply, const std::string& scope = {}) {
     const std::lock_guard lock(mutex_);
     note_end();
-    const std::uint64_t before = document_.revision();
-    apply(document_);
-    if (document_.revision() != before)
+    Document& changed = scope.empty() ? document_ : inside(scope);
+    const std::uint64_t before = changed.revision();
+    if (!scope.empty()) require_writable(changed);
+    apply(changed);
+    if (!scope.empty()) save_inside(changed);
+    if (changed.revision() != before)
       document_changed();
     else
       tell_document();
@@ -81,7 +87,7 @@ class LiveGraph {
   void keep_variant(std::size_t tile);
 
   // The document inside of a node that is a subgraph, by its path ("asset", "asset/part"), like the document
-  // of state(). Throws Error "unknown-node".
+  // of state(), without messages. Throws Error "unknown-node".
   nlohmann::json subgraph(const std::string& path);
   // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
   nlohmann::json files();
@@ -91,8 +97,8 @@ class LiveGraph {
   nlohmann::json outputs();
   // One of these files. Throws Error "no-file".
   std::filesystem::path output(const std::string& path);
-  // Keeps where nodes and notes are: see arrangement.h and Document::arrange().
-  void arrange(const nlohmann::json&, const std::string& group = {});
+  // Keeps where nodes and notes are: see arrangement.h and Document::arrange(). `scope`: as for change().
+  void arrange(const nlohmann::json&, const std::string& group = {}, const std::string& scope = {});
 
   // A value that an evaluation made or found, by its content hash. Throws Error "unknown-value" or
   // "lost-value".
@@ -105,6 +111,10 @@ class LiveGraph {
   struct Watcher;
 
   void document_changed();  // with mutex_ held, as all that follow
+  // The file of a subgraph, by the path of its node, as it is now.
+  Document& inside(const std::string& scope);
+  static void require_writable(const Document&);
+  static void save_inside(Document&);
   void tell_document();
   void tell_arrangement();
   // Evaluates what is shown first, if `shown_first`; then_ follows.
@@ -123,6 +133,7 @@ class LiveGraph {
   Session session_;
   std::mutex mutex_;
   Document document_;
+  std::map<std::filesystem::path, Document> inside_;  // files of subgraphs that were opened
   Overrides overrides_;
   bool live_;
   EventLog events_;

@@ -36,19 +36,13 @@ json LiveGraph::document_json() const {
                                           {},
                                           "",
                                           ""}));
-  out["file"] = document_.file().string();
-  out["text"] = document_.text();
-  out["saved"] = document_.saved();
-  out["read_only"] = document_.read_only();
-  out["can_undo"] = document_.can_undo();
-  out["can_redo"] = document_.can_redo();
+  add_file(out, document_);
   out["recovered"] = document_.recovered();
   out["trouble"] = document_.trouble();
   out["disk_changed"] = disk_changed_;
   out["valid"] = valid_;
   out["varied"] = variants_ && variants_->fit(document_.read());
   out["messages"] = messages;
-  out["arrangement"] = arrangement_json(document_.arrangement());
   return out;
 }
 

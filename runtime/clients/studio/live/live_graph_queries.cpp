@@ -6,6 +6,7 @@
 #include "runtime/clients/studio/live/document_json.h"
 #include "runtime/clients/studio/live/live_graph.h"
 #include "runtime/clients/studio/live/written_files.h"
+#include "runtime/files.h"
 #include "runtime/files/natural_order.h"
 #include "runtime/json_text.h"
 
@@ -53,27 +54,43 @@ void LiveGraph::restore(std::size_t number) {
   change([&](Document& d) { d.replace(past_.at(number).text); });
 }
 
+Document& LiveGraph::inside(const std::string& scope) {
+  Document* at = &document_;
+  for (std::size_t begin = 0; begin <= scope.size();) {
+    const std::size_t end = std::min(scope.find('/', begin), scope.size());
+    const std::string name = scope.substr(begin, end - begin);
+    const auto& nodes = at->read().document.nodes;
+    const auto node =
+        std::ranges::find_if(nodes, [&](const RawNode& n) { return n.name == name && !n.graph.empty(); });
+    if (node == nodes.end()) throw Error("unknown-node", "the graph has no subgraph '" + scope + "'");
+    const fs::path file = (at->file().parent_path() / node->graph).lexically_normal();
+    // A graph of a stranger must not change files elsewhere.
+    const bool locked = document_.read_only() || !is_inside(document_.file().parent_path(), file);
+    at = &inside_.try_emplace(file, file, locked).first->second;
+    if (at->changed_on_disk()) at->reload();
+    begin = end + 1;
+  }
+  return *at;
+}
+
+void LiveGraph::require_writable(const Document& document) {
+  if (document.read_only())
+    throw Error("read-only",
+                "'" + document.file().string() + "' is outside the folder of the graph, and is not changed",
+                "copy the subgraph into the graph");
+}
+
+void LiveGraph::save_inside(Document& document) try { document.save(false); } catch (const Error&) {
+  document.undo();
+  throw;
+}
+
 json LiveGraph::subgraph(const std::string& path) {
   const std::lock_guard lock(mutex_);
-  Diagnostics found;
-  std::string shown;
-  RawDocument doc = read_document(document_.text(), document_.file(), found);
-  for (std::size_t at = 0; at <= path.size();) {
-    const std::size_t end = std::min(path.find('/', at), path.size());
-    const std::string name = path.substr(at, end - at);
-    const auto node =
-        std::ranges::find_if(doc.nodes, [&](const RawNode& n) { return n.name == name && !n.graph.empty(); });
-    if (node == doc.nodes.end()) throw Error("unknown-node", "the graph has no subgraph '" + path + "'");
-    const fs::path file = (doc.file.parent_path() / node->graph).lexically_normal();
-    const auto text = read_graph_text(file, found);
-    if (!text) throw Error(found.back());
-    doc = read_document(shown = *text, file, found);
-    at = end + 1;
-  }
-  json out = json_of(doc, registry_);
+  const Document& document = inside(path);
+  json out = json_of(document.read().document, registry_);
   if (valid_) add_bypassed(out, *session_.graph(), path + "/");
-  out["file"] = doc.file.string();
-  out["text"] = shown;
+  add_file(out, document);
   return out;
 }
 
@@ -119,10 +136,10 @@ fs::path LiveGraph::output(const std::string& path) {
   return written_file(*session_.graph(), states_, session_.options().output_folder, path);
 }
 
-void LiveGraph::arrange(const json& arrangement, const std::string& group) {
+void LiveGraph::arrange(const json& arrangement, const std::string& group, const std::string& scope) {
   const std::lock_guard lock(mutex_);
-  document_.arrange(arrangement_text(arrangement), group);
-  tell_arrangement();
+  (scope.empty() ? document_ : inside(scope)).arrange(arrangement_text(arrangement), group);
+  scope.empty() ? tell_arrangement() : tell_document();
 }
 
 }  // namespace terrazzo::studio

@@ -7,10 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "graph/document/paste_nodes.h"
+#include "graph/graph.h"
+#include "graph/text/element_name.h"
 #include "graph/text/read_number.h"
+#include "runtime/clients/studio/live/collapse_nodes.h"
 #include "runtime/clients/studio/live/expand_subgraph.h"
 #include "runtime/clients/studio/live/graph_parameter.h"
 #include "runtime/clients/studio/live/live_graph.h"
+#include "runtime/clients/studio/live/save_file.h"
 #include "runtime/json_text.h"
 
 #include "runtime/clients/studio/server/local_server.h"  // last: <resolv.h>, which it brings in, redefines a name of Eigen's
@@ -74,6 +78,36 @@ void send_file(const std::filesystem::path& path, httplib::Response& out) {
                            });
 }
 
+// Changes the document, or the file of the subgraph that the page shows.
+template <class Change>
+void change(LiveGraph& live, const json& body, Change&& apply) {
+  live.change(std::forward<Change>(apply), scope_of(body));
+}
+
+// Makes a subgraph of nodes, in a new file beside the graph, which stays when this is undone.
+void collapse(Document& d, const json& body, const Registry& registry) {
+  const std::string name = body.at("name").get<std::string>();
+  if (d.read_only() || !is_node_name(name))
+    throw Error("cannot-edit",
+                d.read_only() ? "the graph belongs to the program, so it gets no subgraph of its own"
+                              : "'" + name + "' is not a name",
+                d.read_only() ? "save it as a file of your own" : "use letters, digits and _");
+  SaveFile place = SaveFile::numbered(d.file().parent_path() / (name + ".yaml"));
+  NewSubgraph made = collapse_nodes(d.read(), d.file(), body.at("nodes").get<std::vector<std::string>>(),
+                                    name, place.path().filename().string());
+  if (place.write([&](const std::filesystem::path&) { return made.subgraph; }))
+    throw Error("file-changed", "another program wrote to the subgraph's file", "try again");
+  Diagnostics before, found;
+  load_graph_text(made.graph, d.file(), registry, {}, found);
+  load_graph_text(d.text(), d.file(), registry, {}, before);
+  if (has_errors(found) && !has_errors(before)) {
+    std::error_code error;
+    std::filesystem::remove(place.path(), error);
+    throw Error(found.front());
+  }
+  d.replace(std::move(made.graph), places_of(body));
+}
+
 }  // namespace
 
 std::vector<Edit> edits_of(const json& list) {
@@ -81,6 +115,8 @@ std::vector<Edit> edits_of(const json& list) {
   for (const auto& e : list) edits.push_back(edit_of(e));
   return edits;
 }
+
+std::string scope_of(const json& body) { return body.is_object() ? body.value("scope", "") : ""; }
 
 Places places_of(const json& body) { return body.value("places", Places()); }
 
@@ -93,7 +129,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
   }));
   http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
     json names = json::array();
-    live.change([&](Document& d) {
+    change(live, body, [&](Document& d) {
       Pasted p = paste_nodes(d.text(), d.file(), body.at("text").get<std::string>());
       const Places given = places_of(body);
       Places places;
@@ -107,7 +143,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
   }));
   http.Post("/api/promote", server.handler([&live, &registry](const In&, const json& body, Out& out) {
     std::string name;
-    live.change([&](Document& d) {
+    change(live, body, [&](Document& d) {
       NewGraphParameter made =
           with_graph_parameter(d.read(), d.file(), registry, body.at("node").get<std::string>(),
                                body.at("name").get<std::string>());
@@ -117,9 +153,13 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     LocalServer::answer(out, {{"number", live.events().last()}, {"name", name}});
   }));
   http.Post("/api/expand", server.handler([&live, &registry](const In&, const json& body, Out& out) {
-    live.change([&](Document& d) {
+    change(live, body, [&](Document& d) {
       d.replace(expand_subgraph(d.read(), d.file(), body.at("node").get<std::string>(), registry));
     });
+    LocalServer::answer(out, {{"number", live.events().last()}});
+  }));
+  http.Post("/api/collapse", server.handler([&live, &registry](const In&, const json& body, Out& out) {
+    change(live, body, [&](Document& d) { collapse(d, body, registry); });
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
   http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
@@ -160,7 +200,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     send_file(live.output(in.get_param_value("path")), out);
   }));
   http.Post("/api/arrange", server.handler([&live](const In&, const json& body, Out& out) {
-    live.arrange(body.at("arrangement"), body.value("group", ""));
+    live.arrange(body.at("arrangement"), body.value("group", ""), scope_of(body));
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 #include <vector>
 
 #include "graph/document/edit_document.h"
@@ -19,6 +20,9 @@ std::vector<Edit> edits_of(const nlohmann::json&);
 
 // Where a request puts nodes that it adds, if it says so.
 Places places_of(const nlohmann::json& body);
+
+// The path of the subgraph that a request is about, or "" for the document.
+std::string scope_of(const nlohmann::json& body);
 
 void add_graph_routes(LocalServer&, LiveGraph&, const Registry&);
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <charconv>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -34,8 +35,10 @@ std::string file_name(const std::string& sent) {
   return name;
 }
 
+using Open = std::function<void(Document, bool discard, httplib::Response&)>;
+
 void add_bundle_routes(LocalServer& server, LiveGraph& live, const Registry& registry,
-                       const StudioStart& start) {
+                       const StudioStart& start, const Open& open) {
   using In = httplib::Request;
   using Out = httplib::Response;
   auto& http = server.http();
@@ -44,6 +47,23 @@ void add_bundle_routes(LocalServer& server, LiveGraph& live, const Registry& reg
     if (!bytes) throw Error("no-file", "the bundle has no picture");
     out.set_content(*bytes, bytes->starts_with("\x89PNG") ? "image/png" : "image/jpeg");
   }));
+  // A bundle that was dropped on the page: it is kept in the folder of the Studio, and opened there.
+  http.Post("/api/bundle",
+            server.upload_handler([&start, &live, &registry, open](const In& in, const json&, Out& out) {
+              const bool discard = in.get_param_value("discard") == "true";
+              if (!discard) live.require_saved();
+              const fs::path name = file_name(in.get_param_value("name"));
+              if (name.extension() != ".zip" || name.stem().empty())
+                throw Error("bad-bundle", "'" + name.string() + "' is no bundle", "its name ends in .zip");
+              const NewFile file = write_once(start.workspace.resolve(name.string()), in.body);
+              try {
+                open(Document(graph_of_bundle(file.path, file.path.parent_path(), registry)), discard, out);
+              } catch (const Error&) {
+                std::error_code error;
+                if (file.written) fs::remove(file.path, error);
+                throw;
+              }
+            }));
   http.Post("/api/share", server.handler([&](const In&, const json& body, Out& out) {
     fs::path file = start.workspace.resolve(body.at("file").get<std::string>());
     if (file.extension() != ".zip") file += ".zip";
@@ -69,14 +89,14 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
   using In = httplib::Request;
   using Out = httplib::Response;
   auto& http = server.http();
-  add_bundle_routes(server, live, registry, start);
   const auto welcome = std::make_shared<std::atomic<bool>>(start.welcome);
-  const auto open = [&live, &start, welcome](Document document, bool discard, Out& out) {
+  const Open open = [&live, &start, welcome](Document document, bool discard, Out& out) {
     const std::string file = document.file().string();
     live.open(std::move(document), discard, *welcome ? std::optional(start.live) : std::nullopt);
     *welcome = false;
     LocalServer::answer(out, {{"file", file}});
   };
+  add_bundle_routes(server, live, registry, start, open);
   http.Get("/api/start", server.handler([&start, welcome](const In&, const json&, Out& out) {
     json list = json::array();
     for (const auto& m : materials())

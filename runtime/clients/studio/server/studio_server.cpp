@@ -169,7 +169,9 @@ struct StudioServer::Impl {
       }));
     };
     const auto change = [&](const char* path, auto act) {
-      post(path, [this, act](const json& body) { live.change([&](Document& d) { act(d, body); }); });
+      post(path, [this, act](const json& body) {
+        live.change([&](Document& d) { act(d, body); }, scope_of(body));
+      });
     };
     change("/api/edit", [](Document& d, const json& body) {
       d.edit(edits_of(body.at("edits")), body.value("group", ""), places_of(body));

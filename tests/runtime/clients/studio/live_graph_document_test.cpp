@@ -103,6 +103,56 @@ TEST_F(LiveGraphTest, SubgraphsShowTheirDocument) {
   EXPECT_EQ(test::code_of([&] { live->subgraph(""); }), "unknown-node");
 }
 
+TEST_F(LiveGraphTest, SubgraphsAreEditedInTheirFiles) {
+  const fs::path part = folder / "part.yaml";
+  const std::string text =
+      "terrazzo: 1\nnodes:\n  inner: {type: Constant, params: {value: 4}}  # kept\noutputs: {out: "
+      "inner.out}\n";
+  write_text_atomically(part, text);
+  open("terrazzo: 1\nnodes:\n  part: {graph: part.yaml}\n  sum: {type: Sum, inputs: {in: part.out}}\n");
+  settled();
+  const auto set_inner = [&](const std::string& value) {
+    live->change(
+        [&](Document& d) {
+          d.edit({{Edit::Kind::SetParameter, "inner", "value", {false, {value}, {}}}});
+        },
+        "part");
+  };
+  set_inner("6");
+  EXPECT_EQ(number(settled(), "sum"), 6);
+  std::string edited = text;
+  edited.replace(edited.find("value: 4"), 8, "value: 6");
+  EXPECT_EQ(*read_file(part), edited);
+  EXPECT_EQ(live->state()["document"]["can_undo"], false);
+  EXPECT_EQ(live->subgraph("part")["can_undo"], true);
+  live->arrange({{"places", {{"inner", {3, 4}}}}}, "", "part");
+  EXPECT_EQ(live->subgraph("part")["arrangement"]["places"]["inner"], json({3, 4}));
+  for (int k = 0; k < 2; ++k) live->change([](Document& d) { d.undo(); }, "part");
+  EXPECT_EQ(number(settled(), "sum"), 4);
+  EXPECT_EQ(*read_file(part), text);
+
+  // What another program wrote meanwhile stays.
+  write_text_atomically(part, edited + "# mine\n");
+  set_inner("7");
+  EXPECT_NE(read_file(part)->find("# mine"), std::string::npos);
+  EXPECT_EQ(number(settled(), "sum"), 7);
+
+  // Files elsewhere are not changed.
+  const fs::path elsewhere = test::temporary_folder();
+  write_text_atomically(elsewhere / "part.yaml", text);
+  fs::create_directory_symlink(elsewhere, folder / "link");
+  for (const fs::path& outside : {elsewhere / "part.yaml", fs::path("link/part.yaml")}) {
+    live->open(Document((write_text_atomically(
+                             file, "terrazzo: 1\nnodes:\n  part: {graph: " + outside.string() + "}\n"),
+                         file)),
+               true);
+    settled();
+    EXPECT_EQ(live->subgraph("part")["read_only"], true);
+    EXPECT_EQ(test::code_of([&] { set_inner("5"); }), "read-only");
+  }
+  EXPECT_EQ(*read_file(elsewhere / "part.yaml"), text);
+}
+
 TEST_F(LiveGraphTest, AGraphThatAnotherProgramChangesIsReadAgain) {
   open();
   settled();

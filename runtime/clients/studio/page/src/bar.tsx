@@ -2,12 +2,12 @@ import { WroteFiles } from './files';
 import { secondsText } from './format';
 import { MenuButton } from './menu';
 import { progressText } from './progress';
-import { SaveAs, Share } from './start';
-import { post, priceText, save, showStart, useStore } from './store';
+import { Group, SaveAs, Share } from './start';
+import { change, post, priceText, save, showStart, shownDoc, useStore } from './store';
 import { useProgress } from './waiting';
 
 export function Bar() {
-  const doc = useStore(s => s.doc);
+  const doc = useStore(s => s.doc), shown = useStore(shownDoc);
   const run = useStore(s => s.run);
   const online = useStore(s => s.online);
   const drawer = useStore(s => s.drawer);
@@ -28,8 +28,8 @@ export function Bar() {
       <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
       <button onClick={() => void showStart()} title="Open a graph or a material, or make one from a photograph">New or open…</button>
       <div className="group">
-        <button disabled={!doc?.can_undo} onClick={() => void post('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
-        <button disabled={!doc?.can_redo} onClick={() => void post('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
+        <button disabled={!shown?.can_undo} onClick={() => void change('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
+        <button disabled={!shown?.can_redo} onClick={() => void change('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
         <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
         <MenuButton label="More to do with the file" text="More" items={[
           { label: 'Save as…', act: () => useStore.setState({ savingAs: true, sharing: false }) },
@@ -59,11 +59,12 @@ export function Notices() {
   const doc = useStore(s => s.doc);
   const trouble = useStore(s => s.trouble);
   const runTrouble = useStore(s => s.run.trouble);
-  const savingAs = useStore(s => s.savingAs), sharing = useStore(s => s.sharing), shared = useStore(s => s.shared);
+  const savingAs = useStore(s => s.savingAs), sharing = useStore(s => s.sharing), grouping = useStore(s => s.grouping), shared = useStore(s => s.shared);
   const dismiss = () => useStore.setState({ trouble: null });
   return (
     <div className="notices" aria-live="polite">
       {savingAs && <SaveAs key={doc?.file} />}
+      {grouping && <Group nodes={grouping} />}
       {sharing && <Share key={`share ${doc?.file}`} />}
       {shared && <p><b>Wrote {shared}</b><button onClick={() => useStore.setState({ shared: '' })}>Dismiss</button></p>}
       {doc?.recovered && (

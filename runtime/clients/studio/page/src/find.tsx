@@ -1,14 +1,14 @@
 // Finds nodes and commands by name (Ctrl+F, Ctrl+K), and shows the keys (?).
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { post, save, select, shownDoc, showStart, useStore } from './store';
+import { change, post, save, select, shownDoc, showStart, useStore } from './store';
 
 interface Entry { name: string; what: string; act: () => void }
 
 const drawer = (name: 'files' | 'variants' | 'history' | 'messages' | 'yaml') => () => useStore.setState({ drawer: name, line: null });
 const commands: Entry[] = [
   ['New or open', () => void showStart()], ['Save', save], ['Save as', () => useStore.setState({ savingAs: true })], ['Share', () => useStore.setState({ sharing: true, shared: '' })],
-  ['Undo', () => void post('/api/undo')], ['Redo', () => void post('/api/redo')], ['Run and write files', () => void post('/api/run')], ['Cancel', () => void post('/api/cancel')],
+  ['Undo', () => void change('/api/undo')], ['Redo', () => void change('/api/redo')], ['Run and write files', () => void post('/api/run')], ['Cancel', () => void post('/api/cancel')],
   ['Files', drawer('files')], ['Variants', drawer('variants')], ['History', drawer('history')], ['Messages', drawer('messages')], ['YAML', drawer('yaml')],
   ['Wide viewer', () => useStore.setState(s => ({ wide: !s.wide }))], ['Keys', () => useStore.setState({ finding: 'keys' })],
 ].map(([name, act]) => ({ name: name as string, what: 'command', act: act as () => void }));
@@ -50,7 +50,7 @@ export function Find({ show }: { show: (node: string) => void }) {
 
 const keys: [string, string][] = [
   ['Ctrl+F, Ctrl+K', 'find a node or a command'], ['Ctrl+S', 'save'], ['Ctrl+Z, Ctrl+Shift+Z', 'undo, redo'], ['A', 'add a node'], ['F2', 'rename the selected node'],
-  ['Ctrl+B', 'bypass'], ['Ctrl+D', 'duplicate'], ['Ctrl+C, Ctrl+V', 'copy, paste'], ['Delete', 'remove nodes or a wire'], ['Enter, Escape', 'look into a subgraph, go back'],
+  ['Ctrl+B', 'bypass'], ['Ctrl+G', 'make a subgraph of the selected nodes'], ['Arrows, Shift+arrows', 'in the graph: go to the next node, move the selected ones'], ['Ctrl+D', 'duplicate'], ['Ctrl+C, Ctrl+V', 'copy, paste'], ['Delete', 'remove nodes or a wire'], ['Enter, Escape', 'open a subgraph, go back'],
   ['N', 'write a note'], ['F, L', 'show all nodes, arrange them'], ['B, M, S, D, O, I', 'with labels: pick the binder, merge, split, delete, outline, ignore'],
   ['Arrows, +, −, 0', 'in a 3D view: turn, zoom, start again'], ['?', 'this list'],
 ];

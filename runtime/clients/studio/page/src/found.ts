@@ -2,7 +2,7 @@
 import { hexOfInt, hexOfLinear, mainColors, type Share } from './color';
 import { fetchJson, useLoaded } from './load';
 import type { Outlines } from './profiles';
-import { declarationOf, edit, select, shownDoc, splitWire, useStore, valueOf, type Edit } from './store';
+import { declarationOf, edit, fullName, select, shownDoc, splitWire, useStore, valueOf, type Edit } from './store';
 import { freshName } from './tools';
 import type { Doc, DocNode, OutputValue } from './types';
 
@@ -50,7 +50,7 @@ export function profilesOf(node: DocNode, s: ReturnType<typeof useStore.getState
 
 // Puts a Palette with the colors in place of the photograph's, as one step of undo.
 export async function makePalette(node: DocNode, found: Found): Promise<void> {
-  const { doc } = useStore.getState();
+  const doc = shownDoc(useStore.getState());
   if (!doc) return;
   const name = freshName(doc, 'colors'), percent = (s: number) => String(Math.max(1, Math.round(100 * s)));
   const edits: Edit[] = [
@@ -61,5 +61,5 @@ export async function makePalette(node: DocNode, found: Found): Promise<void> {
     { op: 'connect', node: node.name, name: 'profiles', wires: [`${name}.profiles`] },
     { op: 'set', node: node.name, name: 'mode', value: 'random' },
   ];
-  if (await edit(edits)) setTimeout(() => select(name), 50);
+  if (await edit(edits)) setTimeout(() => select(fullName(name)), 50);
 }

@@ -6,7 +6,7 @@ import { useDropper } from './dropper';
 import { nibOf, paint, setRegion } from './nib';
 import type { Pen } from './pen';
 import { fetchRaster, isPreview, PanZoom, Picture, type Raster } from './raster';
-import { shownDoc, useStore } from './store';
+import { isLocked, shownDoc, useStore } from './store';
 import type { DocNode, OutputValue } from './types';
 
 export function Sections({ count, section, set }: { count: number; section: number; set: (s: number) => void }) {
@@ -78,7 +78,7 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
   const { data, error } = useLoaded(`${value.hash}.${section}`, () => fetchRaster(value.hash, 'pixels', section));
   const old = useLoaded(`${reference?.hash}.${section}`, async () => (reference ? fetchRaster(reference.hash, 'pixels', section) : null)).data;
   const over = useClip(share, !!reference && !!old);
-  const tool = useStore(s => (s.tool === 'nib' || s.tool === 'region' ? s.tool : null)), doc = useStore(shownDoc), scope = useStore(s => s.scope);
+  const tool = useStore(s => (s.tool === 'nib' || s.tool === 'region' ? s.tool : null)), doc = useStore(shownDoc), locked = useStore(isLocked);
   const [radius, setRadius] = useState(8);
   const dropper = useDropper(data);
   if (!data) return <p className="none">{error || 'Loading…'}</p>;
@@ -87,11 +87,11 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
   const choose = (name: string) => useStore.setState(s => ({ tool: s.tool === name ? null : name }));
   const leave = () => useStore.setState({ tool: null });
   const full = (points: [number, number][]): [number, number][] => points.map(([x, y]) => [x * factor, y * factor]);
-  const pen: Pen | null = dropper ?? (tool === 'nib' && !scope ? { least: 1, most: 1e9, freehand: true, shape: 'line', wide: (2 * radius) / factor, leave, done: points => void paint(node, port, full(points), radius) }
+  const pen: Pen | null = dropper ?? (tool === 'nib' && !locked ? { least: 1, most: 1e9, freehand: true, shape: 'line', wide: (2 * radius) / factor, leave, done: points => void paint(node, port, full(points), radius) }
     : tool === 'region' && known ? { least: 2, most: 2, freehand: false, shape: 'box', leave, done: points => void setRegion(known.nib, full(points)).then(leave) } : null);
   return (
     <>
-      {!scope && !isPreview(value.hash) && tool && (
+      {!locked && !isPreview(value.hash) && tool && (
         <div className="pens" role="toolbar" aria-label="Nib">
           <button aria-pressed={tool === 'nib'} onClick={() => choose('nib')}>Paint</button>
           {known && <button aria-pressed={tool === 'region'} onClick={() => choose('region')}>Region</button>}
@@ -108,7 +108,7 @@ export function ImageView({ value, node }: { value: OutputValue; node: DocNode }
       </div>
       <div className="options"><Sections count={data.sections} section={section} set={setSection} />
         <label>Exposure <input type="range" min={-4} max={4} step={0.25} value={stops} onChange={e => setStops(Number(e.target.value))} onDoubleClick={() => setStops(0)} aria-valuetext={`${stops} stops`} /> {stops > 0 ? `+${stops}` : stops}</label>
-        {!scope && !isPreview(value.hash) && data.sections === 1 && !tool && <button onClick={() => choose('nib')} title="Paint texture into the picture: it grows out of its surroundings">Nib</button>}
+        {!locked && !isPreview(value.hash) && data.sections === 1 && !tool && <button onClick={() => choose('nib')} title="Paint texture into the picture: it grows out of its surroundings">Nib</button>}
         {tool && <span>{tool === 'region' ? 'Drag a rectangle over the texture that is painted.' : 'Drag over what you want to erase. Points with the keyboard: Space, then Enter.'}</span>}
         {factor > 1 && <span>reduced from {data.fullWidth} × {data.fullHeight}</span>}</div>
     </>

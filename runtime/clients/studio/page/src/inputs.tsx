@@ -1,13 +1,13 @@
 import { useState } from 'react';
 
-import { declarationOf, edit, select, shownDoc, splitWire, useStore } from './store';
+import { declarationOf, edit, isLocked, select, shownDoc, splitWire, useStore } from './store';
 import type { DocNode, Port } from './types';
 
 const kMostFree = 4;
 
 // The wires that lead to a node, as lists: with the keyboard, and where wires are long, they are easier to change here than in the graph.
 export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
-  const doc = useStore(shownDoc), types = useStore(s => s.types), inside = useStore(s => !!s.scope);
+  const doc = useStore(shownDoc), types = useStore(s => s.types), locked = useStore(isLocked);
   const [all, setAll] = useState(false);
   if (!doc) return null;
   // Many optional inputs without a wire would push the parameters out of view.
@@ -26,7 +26,7 @@ export function Inputs({ node, inputs }: { node: DocNode; inputs: Port[] }) {
   return (
     <>
       <h2>Inputs</h2>
-      <fieldset className="fields" disabled={inside}>{inputs.filter(p => !hidden.includes(p)).map(p => {
+      <fieldset className="fields" disabled={locked}>{inputs.filter(p => !hidden.includes(p)).map(p => {
         const wires = node.inputs[p.name] ?? [], id = `input-${p.name}`, choices = offered(p);
         const go = (w: string) => <button className="reset" title={`Select ${splitWire(w, doc, types).node}`} aria-label={`Select ${splitWire(w, doc, types).node}`} onClick={() => select(splitWire(w, doc, types).node)}>→</button>;
         if (p.many) return (

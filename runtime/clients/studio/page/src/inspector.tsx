@@ -8,7 +8,7 @@ import { Inputs } from './inputs';
 import { MenuButton, openMenu } from './menu';
 import { FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
-import { askPrice, bypass, declarationOf, edit, goToLine, post, priceText, shownDoc, stateOf, useStore, valueOf } from './store';
+import { askPrice, bypass, declarationOf, edit, change, fullName, goToLine, isLocked, post, priceText, shownDoc, sourceOf, stateOf, useStore, valueOf } from './store';
 import type { Doc, DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {
@@ -24,14 +24,14 @@ function defaultText(p: Parameter): Written {
 const escaped = (text: string) => text.replace(/[.*+?^${}()|[\]\\]/g, '\\$&');
 
 function Name({ node }: { node: DocNode }) {
-  const [name, setName] = useState(node.name);
-  useEffect(() => setName(node.name), [node.name]);
+  const now = node.name.split('/').pop()!, [name, setName] = useState(now);
+  useEffect(() => setName(now), [now]);
   const commit = () => {
-    if (name === node.name) return;
-    void edit([{ op: 'rename', node: node.name, to: name }]).then(done => done ? setTimeout(() => useStore.setState({ selected: name }), 50) : setName(node.name));
+    if (name === now) return;
+    void edit([{ op: 'rename', node: node.name, to: name }]).then(done => done ? setTimeout(() => useStore.setState({ selected: fullName(name) }), 50) : setName(now));
   };
   return <input className="name" value={name} aria-label="Name of the node" spellCheck={false} onChange={e => setName(e.target.value)} onBlur={commit}
-    onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setName(node.name); }} />;
+    onKeyDown={e => { if (e.key === 'Enter') commit(); if (e.key === 'Escape') setName(now); }} />;
 }
 
 function State({ node }: { node: DocNode }) {
@@ -110,29 +110,23 @@ function PriceLine() {
   return price && <em className="price">{priceText(price)}</em>;
 }
 
-// The parameter of the graph that a value stands for.
-const referenceIn = (value: Written, doc: Doc | null) => {
-  const name = /^\$\{([^}]+)\}$/.exec(String(value))?.[1];
-  return doc?.parameters.find(p => p.name === name);
-};
-
 // Fields of colors show what was found where they say auto, and fields that read a parameter of the graph show and change that.
 function NodeField({ node, ...field }: { node: DocNode } & Parameters<typeof Field>[0]) {
-  const doc = useStore(s => (s.scope ? null : s.doc)), found = useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name);
-  const from = referenceIn(field.value, doc);
+  const doc = useStore(s => s.doc), inside = useStore(s => s.inside), scope = useStore(s => s.scope);
+  const found = useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name), from = sourceOf(field.value, { doc, inside, scope });
   if (!from) return <Field {...field} found={found} />;
-  const change = (value: Written) => [{ op: 'set_default', name: from.name, value }];
-  return <Field {...field} found={found} from={from.name} value={from.value} send={(value, merge) => edit(change(value), merge)} price={value => void askPrice(value === null ? null : change(value))} />;
+  return <Field {...field} found={found} from={from.name} value={from.value} send={(value, merge) => edit(from.edits(value), merge, {}, from.scope)}
+    price={value => void askPrice(value === null ? null : from.edits(value))} />;
 }
 
 // What else can be done with a parameter of a node.
 function FieldMenu({ node, spec, value }: { node: DocNode; spec: Parameter; value: Written }) {
-  const doc = useStore(s => s.doc), from = referenceIn(value, doc);
+  const doc = useStore(s => s.doc), inside = useStore(s => s.inside), scope = useStore(s => s.scope), from = sourceOf(value, { doc, inside, scope });
   const vary = () => useStore.setState({ drawer: 'variants', vary: from ? from.name : `${node.name}.${spec.name}` });
   return <MenuButton label={`More for ${spec.name}`} items={[
-    { label: 'Show variants', act: vary },
+    ...(scope ? [] : [{ label: 'Show variants', act: vary }]),
     from ? { label: 'Give it a value of its own', act: () => void edit([{ op: 'set', node: node.name, name: spec.name, value: from.value }]) }
-      : { label: 'Make it a parameter of the graph', act: () => void post('/api/promote', { node: node.name, name: spec.name }) },
+      : { label: `Make it a parameter of the ${scope ? 'sub' : ''}graph`, act: () => void change('/api/promote', { node: node.name.split('/').pop(), name: spec.name }) },
   ]} />;
 }
 
@@ -143,7 +137,7 @@ function GraphField({ doc, ...field }: { doc: Doc } & Parameters<typeof Field>[0
 
 function NodeInspector({ node }: { node: DocNode }) {
   const declaration = useStore(s => declarationOf(node, s.types));
-  const inside = useStore(s => !!s.scope);
+  const locked = useStore(isLocked);
   const files = useFiles(!!declaration?.parameters.some(p => p.kind === 'path'));
   const colored = declaration?.parameters.some(p => { // its editor has the shares
     const items = node.params[p.name]?.value ?? defaultText(p);
@@ -151,15 +145,15 @@ function NodeInspector({ node }: { node: DocNode }) {
   });
   return (
     <>
-      <div className="title">{inside ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
-        {inside ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Bypass the node: its readers get its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
+      <div className="title">{locked ? <b className="name">{node.name.split('/').pop()}</b> : <Name node={node} />}<span>{node.type || node.graph}</span>
+        {locked ? <em>line {node.line}</em> : <>{!node.graph && <button aria-pressed={node.bypass} title="Bypass the node: its readers get its input of the same type (Ctrl+B)" onClick={() => bypass([node.name])}>Bypass</button>}<button className="link" onClick={() => goToLine(node.line)}>line {node.line}</button></>}</div>
       {declaration && <p className="doc">{declaration.doc}</p>}
       <State node={node} />
       <FoundColors node={node} />
       {!!declaration?.inputs.length && <Inputs key={node.name} node={node} inputs={declaration.inputs} />}
       {!!declaration?.parameters.length && <h2>Parameters <PriceLine /></h2>}
-      {inside && <p className="doc">This node belongs to the file of a subgraph. Open that file to change it.</p>}
-      <fieldset className="fields" disabled={inside}>
+      {locked && <p className="doc">This node belongs to a file outside the folder of the graph. Copy the subgraph into the graph to change it.</p>}
+      <fieldset className="fields" disabled={locked}>
         {declaration?.parameters.filter(p => p.name !== 'shares' || !colored).map(p => {
           const own = node.params[p.name];
           const items = own ? own.value : defaultText(p);
@@ -172,7 +166,7 @@ function NodeInspector({ node }: { node: DocNode }) {
                 price={value => void askPrice(value === null ? null : [{ op: 'set', node: node.name, name: p.name, value }])} />
               {own && !p.required ? <button className="reset" title="Use the default" aria-label={`Reset ${p.name} to its default`}
                 onClick={() => void edit([{ op: 'reset', node: node.name, name: p.name }])}>×</button> : <span />}
-              {!inside && <FieldMenu node={node} spec={p} value={items} />}
+              {!locked && <FieldMenu node={node} spec={p} value={items} />}
             </div>
           );
         })}
@@ -184,23 +178,23 @@ function NodeInspector({ node }: { node: DocNode }) {
 }
 
 function GraphInspector() {
-  const doc = useStore(s => s.doc)!;
+  const doc = useStore(shownDoc)!, scope = useStore(s => s.scope), locked = useStore(isLocked);
   const files = useFiles(doc.parameters.some(p => p.kind === 'path'));
   return (
     <>
       <div className="title"><b>{doc.name || 'Graph'}</b></div>
       {doc.doc && <p className="doc">{doc.doc}</p>}
-      <p className="doc">The viewer shows the material. Select a node to see its parameters and its result.</p>
-      {doc.parameters.length > 0 && <h2>Parameters of the graph <PriceLine /></h2>}
-      <div className="fields">
+      <p className="doc">{scope ? (locked ? 'The file is outside the folder of the graph, and is not changed here.' : 'Changes are saved to the file at once. Undo takes them back.') : 'The viewer shows the material. Select a node to see its parameters and its result.'}</p>
+      {doc.parameters.length > 0 && <h2>{scope ? 'Defaults of its parameters' : 'Parameters of the graph'} <PriceLine /></h2>}
+      <fieldset className="fields" disabled={locked}>
         {doc.parameters.map(p => (
           <div key={p.name} className="field own" onContextMenu={openMenu}>
             <GraphField doc={doc} spec={p} value={p.value} send={(value, merge) => edit([{ op: 'set_default', name: p.name, value }], merge)} files={p.kind === 'path' ? files : undefined}
               price={value => void askPrice(value === null ? null : [{ op: 'set_default', name: p.name, value }])} /><span />
-            <MenuButton label={`More for ${p.name}`} items={[{ label: 'Show variants', act: () => useStore.setState({ drawer: 'variants', vary: p.name }) }]} />
+            {!scope && <MenuButton label={`More for ${p.name}`} items={[{ label: 'Show variants', act: () => useStore.setState({ drawer: 'variants', vary: p.name }) }]} />}
           </div>
         ))}
-      </div>
+      </fieldset>
     </>
   );
 }

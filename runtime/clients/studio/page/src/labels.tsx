@@ -5,7 +5,7 @@ import { useDropper } from './dropper';
 import type { Pen } from './pen';
 import { colorsOf, phaseHint, phaseOf, phasePen, PhaseStrokes, PhaseTools } from './phases';
 import { fetchRaster, PanZoom, Picture } from './raster';
-import { shownDoc, useStore } from './store';
+import { isLocked, shownDoc, useStore } from './store';
 import { correct, setBinder, tools, usable } from './tools';
 import type { DocNode, OutputValue } from './types';
 import { Sections } from './images';
@@ -16,7 +16,7 @@ function Tools({ node }: { node: DocNode }) {
   const choose = (name: string) => useStore.setState(s => ({ tool: s.tool === name ? null : name }));
   useEffect(() => {
     const key = (e: KeyboardEvent) => {
-      if (e.ctrlKey || e.metaKey || e.altKey || !(e.target instanceof HTMLElement) || !e.target.closest('.viewer') || e.target.closest('input')) return;
+      if (e.ctrlKey || e.metaKey || e.altKey || !(e.target instanceof HTMLElement) || e.target.closest('input, textarea, select, dialog, [role=dialog], [role=menu]')) return;
       const found = tools.find(t => t.key === e.key && usable(t, node));
       if (found) choose(found.name), e.preventDefault();
       else if (e.key === 'Escape') useStore.setState({ tool: null });
@@ -37,7 +37,7 @@ function Tools({ node }: { node: DocNode }) {
 export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode }) {
   const [section, setSection] = useState(0), [opacity, setOpacity] = useState(0.55);
   const [radius, setRadius] = useState(4);
-  const name = useStore(s => s.tool), doc = useStore(shownDoc), scope = useStore(s => s.scope);
+  const name = useStore(s => s.tool), doc = useStore(shownDoc), locked = useStore(isLocked);
   const base = useNearest(node.name, 'Image');
   const labels = useLoaded(`${value?.hash}.${section}`, async () => (value ? {
     colors: await fetchRaster(value.hash, 'pixels', section), ids: await fetchRaster(value.hash, 'ids', section),
@@ -48,11 +48,11 @@ export function LabelsView({ value, node }: { value?: OutputValue; node: DocNode
   const fits = !data || (photo && data.ids.fullWidth === photo.fullWidth);
   const size = data?.ids ?? photo;
   if (!size) return <p className="none">{labels.error || under.error || 'There is no result yet.'}</p>;
-  const editable = ['Segment', 'EditLabels'].includes(node.type);
+  const editable = !locked && ['Segment', 'EditLabels'].includes(node.type);
   const tool = editable ? tools.find(t => t.name === name && usable(t, node)) : undefined;
   const leave = () => useStore.setState({ tool: null });
   const factor = size.fullWidth / size.width;
-  const taught = node.type === 'Phases' && !scope && section === 0 ? doc : null, phase = taught ? phaseOf(name, node, taught) : -1;
+  const taught = node.type === 'Phases' && !locked && section === 0 ? doc : null, phase = taught ? phaseOf(name, node, taught) : -1;
   const pen: Pen | null = dropper ?? (taught && phase >= 0 ? phasePen(node, taught, phase, radius, factor) : tool ? {
     ...tool.pen, leave,
     done: points => {

@@ -17,6 +17,7 @@ function sizeOf(inputs: number, outputs: number) {
 export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
   const d = declarationOf(n, types), all = d?.inputs ?? [], shown = inputsShown(n, all).length;
   const size = sizeOf(shown + (shown < all.length ? 1 : 0), d?.outputs.length ?? 0);
+  if (n.parts?.length) size.height += 16; // its corrections
   if (useStore.getState().thumbnails && d?.outputs.some(p => ['Image', 'Labels'].includes(p.types[0]))) size.height += thumbHeight;
   return size;
 }

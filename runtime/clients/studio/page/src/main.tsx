@@ -11,11 +11,12 @@ import { Inspector } from './inspector';
 import { History } from './history';
 import { Splitter } from './splitter';
 import { Start } from './start';
-import { connect, post, save, useStore } from './store';
+import { change, connect, dropped, save, useStore } from './store';
 import style from './style.css';
 import { VariantsPanel } from './variants';
 import { Viewer } from './viewer';
 import { Messages, Yaml } from './yaml';
+import { zipOfFolder } from './zip';
 
 // Constructed style sheets, because the page's policy allows no inline styles.
 for (const text of [flowStyle, style]) {
@@ -36,17 +37,19 @@ function App() {
       if (!(e.ctrlKey || e.metaKey)) return;
       const typing = e.target instanceof HTMLElement && e.target.closest('input:not([type=range]):not([type=checkbox]), textarea');
       if (e.key === 's') save();
-      else if (e.key === 'z' && !typing) void post(e.shiftKey ? '/api/redo' : '/api/undo');
-      else if (e.key === 'Z' && !typing) void post('/api/redo');
+      else if (e.key === 'z' && !typing) void change(e.shiftKey ? '/api/redo' : '/api/undo');
+      else if (e.key === 'Z' && !typing) void change('/api/redo');
       else return;
       e.preventDefault();
     };
     const over = (e: DragEvent) => { if (e.dataTransfer?.types.includes('Files')) e.preventDefault(); };
     const drop = (e: DragEvent) => {
-      const picture = e.dataTransfer?.files[0];
-      if (!picture) return;
+      const file = e.dataTransfer?.files[0];
+      if (!file) return;
       e.preventDefault();
-      useStore.setState({ starting: true, savingAs: false, picture });
+      const entry = e.dataTransfer?.items[0]?.webkitGetAsEntry?.();
+      if (entry?.isDirectory) void zipOfFolder(entry as FileSystemDirectoryEntry).then(dropped);
+      else dropped(file);
     };
     window.addEventListener('keydown', key);
     window.addEventListener('dragover', over);

@@ -1,6 +1,6 @@
 // The nib: texture that is painted into a picture. Strokes are a list of the Strokes node that a TextureNib reads.
 import type { Point } from './pen';
-import { edit, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { edit, fullName, select, shownDoc, splitWire, useStore, type Edit } from './store';
 import { freshName, simplified } from './tools';
 import type { Doc, DocNode } from './types';
 
@@ -32,7 +32,7 @@ export async function paint(node: DocNode, port: string, points: Point[], radius
     { op: 'connect', node: nib, name: 'strokes', wires: [`${strokes}.strokes`] },
     { op: 'rewire', node: nib, name: `${node.name}.${port}`, to: `${nib}.image` },
   ];
-  if (await edit(edits)) setTimeout(() => select(nib), 50);
+  if (await edit(edits)) setTimeout(() => select(fullName(nib)), 50);
 }
 
 // The rectangle whose texture a nib paints.

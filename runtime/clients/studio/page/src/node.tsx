@@ -6,8 +6,8 @@ import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
 import { hasThumbnail, Peek, Thumbnail } from './peek';
 import { percentText } from './progress';
-import { declarationOf, elementsOf, enter, isBroken, stateOf, useStore, valueOf } from './store';
-import type { DocNode, Port } from './types';
+import { declarationOf, elementsOf, enter, isBroken, select, shownDoc, stateOf, useStore, valueOf, worse } from './store';
+import type { DocNode, NodeState, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
 
@@ -33,10 +33,21 @@ function Socket({ port, node, side }: { port: Port; node: DocNode; side: 'in' | 
   );
 }
 
+// The state of a node together with its corrections.
+function joined(node: DocNode, s: ReturnType<typeof useStore.getState>): NodeState | undefined {
+  const all = [node, ...(node.parts ?? []).flatMap(p => shownDoc(s)?.nodes.find(n => n.name === p) ?? [])].map(n => stateOf(n, s.nodes)).filter(x => x !== undefined);
+  return all.length ? all.reduce((a, b) => ({ ...worse(a, b), seconds: a.seconds + b.seconds, warnings: [...a.warnings, ...b.warnings] })) : undefined;
+}
+const countOf = (node: DocNode, s: ReturnType<typeof useStore.getState>) => {
+  const list = node.parts?.length ? shownDoc(s)?.nodes.find(n => n.name === node.parts![0])?.params.edits?.value : [];
+  return Array.isArray(list) ? list.length : list ? 1 : 0;
+};
+
 export const NodeCard = memo(function NodeCard({ data: { node }, selected }: NodeProps<GraphNode>) {
   const declaration = useStore(s => declarationOf(node, s.types));
-  const state = useStore(s => stateOf(node, s.nodes), (a, b) => JSON.stringify(a) === JSON.stringify(b));
-  const broken = useStore(s => isBroken(node.name, s));
+  const state = useStore(s => joined(node, s), (a, b) => JSON.stringify(a) === JSON.stringify(b));
+  const broken = useStore(s => [node.name, ...node.parts ?? []].some(n => isBroken(n, s)));
+  const corrections = useStore(s => countOf(node, s));
   const connecting = useConnection(c => c.inProgress);
   const priced = useStore(s => s.price?.nodes.some(n => `${n.path}/`.startsWith(`${node.name}/`)));
   const small = useStore(s => {
@@ -60,6 +71,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
         <b>{node.name.split('/').pop()!.split('_').flatMap((part, k) => (k ? ['_', <wbr key={k} />, part] : [part]))}</b>
         {warnings > 0 && <span className="warn" title={state!.warnings.join('\n')}>{warnings} !</span>}
         <time>{time}</time>
+        {corrections > 0 && <button className="link fixes nodrag nopan" title="Show them and their result" onClick={e => { e.stopPropagation(); select(node.parts![0]); }}>{corrections} {corrections === 1 ? 'correction' : 'corrections'}</button>}
       </header>
       <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}{node.bypass && ', bypassed'}</div>
       {small && <Thumbnail value={small} most={320} />}

@@ -4,7 +4,7 @@ import { colorsIn, isHex } from './color';
 import { DropperButton } from './dropper';
 import { useSender } from './fields';
 import { makePalette, profilesOf, useFoundColors } from './found';
-import { edit, useStore, type Edit } from './store';
+import { edit, isLocked, useStore, type Edit } from './store';
 import type { DocNode, NodeType, Parameter } from './types';
 
 export const isPalette = (items: string[]) => items.length > 0 && items.every(isHex);
@@ -84,14 +84,14 @@ export function PaletteEditor({ node, declaration, spec, items }: { node: DocNod
 
 // What was found where no colors are given.
 export function FoundColors({ node }: { node: DocNode }) {
-  const profiles = useStore(s => profilesOf(node, s), (a, b) => a?.hash === b?.hash), found = useFoundColors(profiles), scope = useStore(s => s.scope);
+  const profiles = useStore(s => profilesOf(node, s), (a, b) => a?.hash === b?.hash), found = useFoundColors(profiles), locked = useStore(isLocked);
   if (!profiles || !found?.colors.length) return null;
   return (
     <div className="palette found">
       <h2>Colors found in the photograph</h2>
       <ul>{found.colors.map(c => <li key={c.color} title={`${c.color}, ${percent(c.share)} of the particles' area`}><i style={{ background: c.color }} /><code>{c.color}</code><span>{percent(c.share)}</span></li>)}
         <li title={`${found.binder}, the binder`}><i style={{ background: found.binder }} /><code>{found.binder}</code><span>binder</span></li></ul>
-      {node.type === 'Colorize' && !scope && <p className="row"><button className="primary" title="Puts a Palette with these colors in place of the photograph's" onClick={() => void makePalette(node, found)}>Edit these colors</button></p>}
+      {node.type === 'Colorize' && !locked && <p className="row"><button className="primary" title="Puts a Palette with these colors in place of the photograph's" onClick={() => void makePalette(node, found)}>Edit these colors</button></p>}
     </div>
   );
 }

@@ -1,7 +1,7 @@
 import { useMemo, useState } from 'react';
 
 import { writtenPlaces } from './places';
-import { edit, select, useStore, type Edit } from './store';
+import { edit, fullName, select, shownDoc, useStore, type Edit } from './store';
 import type { NodeType } from './types';
 
 // Where the search opens, and the wire that the new node gets: from an output, or to an input.
@@ -17,36 +17,47 @@ interface Props {
 const accepts = (types: string[], type: string) => !types.length || types.includes(type);
 const snake = (type: string) => type.replace(/([a-z0-9])([A-Z])/g, '$1_$2').toLowerCase();
 
+// What other programs call it.
+const synonyms: Record<string, string> = {
+  Export: 'usd usda usdz gltf glb vdb openvdb png exr obj ply stl csv json save write file output', LoadImage: 'photo picture texture file input open import jpg png tiff exr raw',
+  LoadMesh: 'gltf glb obj ply stl import model geometry', LoadVolume: 'vdb openvdb import grid dicom', Palette: 'hsv hue color ramp swatches recolor', Colorize: 'hsv hue recolor tint color',
+  TextureSet: 'pbr maps albedo basecolor normal height roughness ao displacement material tileable', Bake: 'pbr maps uv normal albedo ao texture', RenderSolid: 'render camera viewport preview shader light',
+  RenderVolume: 'render camera volume', Pack: 'scatter instances distribute physics', Anneal: 'scatter instances distribute', Shape: 'primitive sphere cube rock stone', Tessellate: 'voronoi cells fracture',
+  Section: 'cut slice plane boolean', Carve: 'boolean mesh sculpt bake', Voxelize: 'sdf grid volume voxel', Pattern: 'noise procedural perlin marble wood', Segment: 'mask detect particles instances',
+  Phases: 'threshold mask levels', EditLabels: 'mask paint correct', ContactSheet: 'grid montage collage', TextureNib: 'clone heal inpaint erase', DetailSolid: 'grunge detail noise', SolidOptimize: 'texture synthesis 3d',
+  Distribution: 'histogram random size', Compare: 'difference statistics', View: 'preview photograph', MixShapes: 'switch random merge', MixDistributions: 'merge', Grain: 'film noise blur camera',
+};
+
 // Finds a node type by name or description and adds a node of it.
 export function Search({ at, close, place }: Props) {
   const types = useStore(s => s.types);
   const [text, setText] = useState('');
   const [index, setIndex] = useState(0);
   const found = useMemo(() => {
-    const q = text.toLowerCase();
+    const words = text.toLowerCase().split(/\s+/).filter(Boolean);
     const fits = (t: NodeType) => (!at.from || t.inputs.some(p => accepts(p.types, at.from!.types[0]))) && (!at.to || t.outputs.some(p => accepts(at.to!.types, p.types[0])));
     const all = [...types.values()].filter(fits);
-    // Formats and methods are in the source and in what parameters say: "gltf" finds Export.
+    // Formats and methods are in the source and in what parameters say. All words must be found; the worst one counts.
     const score = (t: NodeType) => {
-      const n = t.type.toLowerCase(), also = () => [t.source, ...t.parameters.map(p => p.doc)].join(' ').toLowerCase();
-      return n.startsWith(q) ? 0 : n.includes(q) ? 1 : t.doc.toLowerCase().includes(q) ? 2 : also().includes(q) ? 3 : 4;
+      const n = t.type.toLowerCase(), doc = t.doc.toLowerCase(), other = synonyms[t.type] ?? '', also = [t.source, t.district, ...t.parameters.map(p => p.doc)].join(' ').toLowerCase();
+      return Math.max(...words.map(q => (n.startsWith(q) ? 0 : ` ${other}`.includes(` ${q}`) ? 1 : n.includes(q) ? 2 : doc.includes(q) ? 3 : also.includes(q) ? 4 : 5)));
     };
-    if (!q) return all; // by district, as the server lists them
-    return all.filter(t => score(t) < 4).sort((a, b) => score(a) - score(b) || a.type.localeCompare(b.type)).slice(0, 60);
+    if (!words.length) return all; // by district, as the server lists them
+    return all.filter(t => score(t) < 5).sort((a, b) => score(a) - score(b) || a.type.localeCompare(b.type)).slice(0, 60);
   }, [text, types, at.from, at.to]);
 
   const add = (type: string) => {
-    const taken = new Set(useStore.getState().doc?.nodes.map(n => n.name));
+    const doc = shownDoc(useStore.getState()), taken = new Set(doc?.nodes.map(n => n.name.split('/').pop()));
     let name = snake(type);
     for (let k = 2; taken.has(name); ++k) name = `${snake(type)}_${k}`;
     const edits: Edit[] = [{ op: 'add', node: name, type }];
     const input = at.from && types.get(type)?.inputs.find(p => accepts(p.types, at.from!.types[0]));
     const output = at.to && types.get(type)?.outputs.find(p => accepts(at.to!.types, p.types[0]));
-    const before = at.to?.many ? useStore.getState().doc?.nodes.find(n => n.name === at.to!.node)?.inputs[at.to.port] ?? [] : [];
+    const before = at.to?.many ? doc?.nodes.find(n => n.name === at.to!.node)?.inputs[at.to.port] ?? [] : [];
     if (output) edits.push({ op: 'connect', node: at.to!.node, name: at.to!.port, wires: [...before, `${name}.${output.name}`] });
     if (input) edits.push({ op: 'connect', node: name, name: input.name, wires: [`${at.from!.node}.${at.from!.port}`] });
     close();
-    void edit(edits, false, writtenPlaces({ [name]: place })).then(done => done && setTimeout(() => select(name), 50));
+    void edit(edits, false, writtenPlaces({ [name]: place })).then(done => done && setTimeout(() => select(fullName(name)), 50));
   };
 
   return (

@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
 import { followed } from './follow';
-import { type Advice, type Content, openBundle, openGraph, openMaterial, post, recommended, shownDoc, upload, useStore, valueOf } from './store';
+import { type Advice, change, type Content, dropped, fullName, openBundle, openGraph, openMaterial, post, recommended, select, shownDoc, upload, useStore, valueOf } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 
@@ -72,11 +72,9 @@ export function Start() {
         <div className="head"><h2>New material from a photograph</h2><button onClick={close}>{info?.welcome ? 'Skip' : 'Close'}</button></div>
         {picture && info ? <NewMaterial picture={picture} folder={info.folder} /> : (
           <div className="drop">
-            <p>Drop a photograph of a cut surface here, or</p>
+            <p>Drop a photograph of a cut surface here, or a bundle (a .zip or a folder), or</p>
             <button className="primary" autoFocus onClick={() => file.current?.click()}>Choose a photograph</button>
-            <input ref={file} type="file" className="sr" tabIndex={-1} aria-label="Photograph" accept="image/*,.exr,.hdr,.tif,.tiff" onChange={e => {
-              if (e.target.files?.[0]) useStore.setState({ picture: e.target.files[0] });
-            }} />
+            <input ref={file} type="file" className="sr" tabIndex={-1} aria-label="Photograph" accept="image/*,.exr,.hdr,.tif,.tiff,.zip" onChange={e => { if (e.target.files?.[0]) dropped(e.target.files[0]); }} />
           </div>
         )}
         {!!info?.graphs.length && <>
@@ -121,6 +119,22 @@ export function SaveAs() {
       <label>Save as {folder}/<input value={name} autoFocus spellCheck={false} size={40} onChange={e => setName(e.target.value)}
         onKeyDown={e => { if (e.key === 'Escape') close(); }} /></label>
       <button className="primary">Save</button><button type="button" onClick={close}>Cancel</button>
+    </form>
+  );
+}
+
+// Makes a subgraph of nodes.
+export function Group({ nodes }: { nodes: string[] }) {
+  const [name, setName] = useState('group'), close = () => useStore.setState({ grouping: null });
+  const make = async () => {
+    const local = nodes.map(n => n.split('/').pop()), at = useStore.getState().arrangement.places?.[nodes[0]];
+    if (await change('/api/collapse', { nodes: local, name, places: at ? { [name]: at } : {} })) close(), setTimeout(() => select(fullName(name)), 50);
+  };
+  return (
+    <form className="save" aria-label="Make a subgraph" onSubmit={e => { e.preventDefault(); void make(); }} onKeyDown={e => { if (e.key === 'Escape') close(); }}>
+      <label>Make a subgraph of {nodes.length === 1 ? nodes[0].split('/').pop() : `${nodes.length} nodes`}, named <input value={name} autoFocus spellCheck={false} size={20} onFocus={e => e.target.select()} onChange={e => setName(e.target.value)} /></label>
+      <button className="primary">Make it</button><button type="button" onClick={close}>Cancel</button>
+      <em>A new file beside the graph has the nodes. Undo brings them back.</em>
     </form>
   );
 }

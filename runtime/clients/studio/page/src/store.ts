@@ -4,7 +4,7 @@ import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
 import { learn } from './progress';
-import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants } from './types';
+import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
 
 export interface Target { node: string; port: string }
 export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
@@ -31,6 +31,7 @@ interface Store {
   picture: File | null; // to make a graph of
   savingAs: boolean;
   sharing: boolean;
+  grouping: string[] | null; // nodes to make a subgraph of
   shared: string; // the bundle that was written last
   tool: string | null; // that is used in the picture
   dropper: Dropper | null; // that takes a color from a picture
@@ -39,7 +40,7 @@ interface Store {
   price: Price | null; // of an edit that is being made
   arrangement: Arrangement;
   thumbnails: boolean;
-  unfolded: string; // the file of the graph whose outputs are shown one by one
+  unfolded: Record<string, string>; // by folded card, the file of the graph whose nodes are shown one by one
   wide: boolean; // the panel takes most of the window
 }
 
@@ -49,10 +50,16 @@ export interface Reference { label: string; past?: Past; value?: OutputValue }
 export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, vary: '', finding: '', line: null,
-  start: null, starting: false, picture: null, savingAs: false, sharing: false, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
-  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: '', wide: false,
+  start: null, starting: false, picture: null, savingAs: false, sharing: false, grouping: null, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
+  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: {}, wide: false,
 }));
 const set = useStore.setState;
+
+// Whether what is shown is the inside of a subgraph that cannot be changed here.
+export const isLocked = (s: Pick<Store, 'inside'>) => !!s.inside?.read_only;
+// Names of nodes in the file that is shown, and their paths, which begin with the path of the subgraph.
+const localName = (path: string, scope: string) => (scope && path.startsWith(`${scope}/`) ? path.slice(scope.length + 1) : path);
+export const fullName = (name: string, scope = useStore.getState().scope) => (scope ? `${scope}/${localName(name, scope)}` : name);
 
 export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '', dropper: null }));
 // What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
@@ -60,6 +67,8 @@ export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
 export const goToLine = (number: number) => set({ drawer: 'yaml', line: { number } });
 
 export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
+// Changes the document, or the file of the subgraph that is shown.
+export const change = (path: string, body: object = {}, scope = useStore.getState().scope) => post(path, { ...body, scope });
 
 async function send(path: string, body: BodyInit, type: string, again?: () => void): Promise<boolean> {
   try {
@@ -107,6 +116,15 @@ export async function upload(picture: File, folder: string, pixelSize: string, c
   const query = new URLSearchParams({ name: picture.name, folder, pixel_size: pixelSize, content, discard: String(discard) });
   opened(await send(`/api/photograph?${query}`, picture, 'application/octet-stream', () => void upload(picture, folder, pixelSize, content, true)));
 }
+// A file that was dropped or chosen: a bundle opens, and a picture may become a material.
+export function dropped(file: File): void {
+  if (/\.zip$/i.test(file.name)) void uploadBundle(file);
+  else set({ starting: true, savingAs: false, picture: file });
+}
+async function uploadBundle(bundle: File, discard = false): Promise<void> {
+  const query = new URLSearchParams({ name: bundle.name, discard: String(discard) });
+  opened(await send(`/api/bundle?${query}`, bundle, 'application/octet-stream', () => void uploadBundle(bundle, true)));
+}
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
 export type Edit = { op: string; node?: string; name?: string; value?: unknown; wires?: string[]; type?: string; graph?: string; to?: string; index?: number; bypass?: boolean };
@@ -117,8 +135,14 @@ function groupOf(what: string): string {
   return `${what} ${moving.group}`;
 }
 // `merge`: one of many edits while a control moves. `places`: where nodes go that the edits add.
-export const edit = (edits: Edit[], merge = false, places: Arrangement['places'] = {}): Promise<boolean> =>
-  post('/api/edit', { edits, places, group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' });
+export function edit(edits: Edit[], merge = false, places: Arrangement['places'] = {}, scope = useStore.getState().scope): Promise<boolean> {
+  const local = (name: string) => localName(name, scope), maybe = (name: string | undefined) => name && local(name);
+  const own = edits.map(e => ({ ...e, node: maybe(e.node), name: maybe(e.name), to: maybe(e.to), wires: e.wires?.map(local) }));
+  return change('/api/edit', { edits: own, places: placesIn(places, local), group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' }, scope);
+}
+export const placesIn = (places: Arrangement['places'], name: (n: string) => string): Arrangement['places'] =>
+  places && Object.fromEntries(Object.entries(places).map(([n, at]) => [name(n), at]));
+export const localPlaces = (places: Arrangement['places']) => { const { scope } = useStore.getState(); return placesIn(places, n => localName(n, scope)); };
 
 // --- events
 
@@ -148,17 +172,17 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
-    set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, variants: s.variants, online: true, ...arrangementOf(s.document.arrangement) });
+    set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, variants: s.variants, online: true, ...rootArrangement(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
   on<{ arrangement: Arrangement; can_undo: boolean; can_redo: boolean; trouble: string }>('arrangement', ({ arrangement, ...rest }) => {
-    set(s => ({ doc: s.doc && { ...s.doc, ...rest, arrangement }, ...arrangementOf(arrangement) }));
+    set(s => ({ doc: s.doc && { ...s.doc, ...rest, arrangement }, ...rootArrangement(arrangement) }));
   });
   on<Doc>('document', doc => {
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
       doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, savingAs: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
-      ...arrangementOf(doc.arrangement), doc, savingAs: s.savingAs && doc.file === s.doc?.file, unfolded: s.unfolded === s.doc?.file ? doc.file : s.unfolded, selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
+      ...rootArrangement(doc.arrangement), doc, savingAs: s.savingAs && doc.file === s.doc?.file, unfolded: Object.fromEntries(Object.entries(s.unfolded).map(([card, file]) => [card, file === s.doc?.file ? doc.file : file])), selected: s.scope || doc.nodes.some(n => n.name === s.selected) ? s.selected : null,
       pinned: s.pinned && (s.scope || doc.nodes.some(n => n.name === s.pinned!.node)) ? s.pinned : null,
     }));
     void enter(useStore.getState().scope);
@@ -201,18 +225,27 @@ function listen(uses: Map<string, (data: never) => void>) {
 // Opens a subgraph by the path of its node; "" is the document itself. Its file may have changed.
 export async function enter(scope: string): Promise<void> {
   const there = useStore.getState().doc?.nodes.some(n => n.graph && n.name === scope.split('/')[0]);
-  if (!scope || !there) return useStore.getState().inside ? set({ scope: '', inside: null, selected: null }) : undefined;
+  if (!scope || !there) return leave();
   const answer = await fetch(`/api/subgraph?path=${encodeURIComponent(scope)}`);
   if (!answer.ok) {
-    if (useStore.getState().scope) set({ scope: '', inside: null, selected: null });
-    return;
+    return leave();
   }
   const doc = await answer.json() as Doc, path = (name: string) => `${scope}/${name}`;
   const nodes = doc.nodes.map(n => ({
     ...n, name: path(n.name), inputs: Object.fromEntries(Object.entries(n.inputs).map(([port, wires]) => [port, wires.map(path)])),
     inner: n.bypass ? n.inner : n.inner && Object.fromEntries(Object.entries(n.inner).map(([port, at]) => [port, at && { ...at, path: path(at.path) }])),
   }));
-  set(s => ({ scope, inside: { ...doc, nodes, messages: [], arrangement: {} }, selected: s.scope === scope ? s.selected : null }));
+  const arrangement = { ...doc.arrangement, places: placesIn(doc.arrangement.places, path) };
+  if (useStore.getState().scope !== scope) missed = null;
+  set(s => ({
+    scope, inside: { ...doc, nodes, messages: [], arrangement }, ...(s.scope === scope ? { ...arrangementOf(arrangement) } : { arrangement, selected: null, tool: null }),
+  }));
+}
+
+function leave() {
+  if (!useStore.getState().inside) return;
+  missed = null;
+  set(s => ({ scope: '', inside: null, selected: null, tool: null, arrangement: s.doc?.arrangement ?? {} }));
 }
 
 // Keeps where nodes and notes are, as a step of undo. Several changes at once are one request. Changes that name the same `group` are
@@ -220,21 +253,24 @@ export async function enter(scope: string): Promise<void> {
 let keeping = 0; // requests that are under way
 let missed: Arrangement | null = null; // what the server reported meanwhile, which may be older
 let scheduled_group: string | null = null;
-export function arrange(change: Partial<Arrangement>, group = '') {
-  set(s => ({ arrangement: { ...s.arrangement, ...change } }));
-  const first = scheduled_group === null;
+export function arrange(next: Partial<Arrangement>, group = '') {
+  set(s => ({ arrangement: { ...s.arrangement, ...next } }));
+  const first = scheduled_group === null, { scope } = useStore.getState();
   scheduled_group = group;
   if (!first) return;
   ++keeping;
   setTimeout(async () => {
     const group = scheduled_group!;
     scheduled_group = null;
-    await post('/api/arrange', { arrangement: useStore.getState().arrangement, group: group && groupOf(group) });
+    const { arrangement } = useStore.getState();
+    await change('/api/arrange', { arrangement: { ...arrangement, places: localPlaces(arrangement.places) ?? {} }, group: group && groupOf(group) }, scope);
     if (--keeping || !missed) return;
     set({ arrangement: missed });
     missed = null;
   });
 }
+
+const rootArrangement = (reported: Arrangement) => (useStore.getState().scope ? {} : arrangementOf(reported));
 
 function arrangementOf(reported: Arrangement): { arrangement?: Arrangement } {
   if (!keeping) return { arrangement: reported };
@@ -251,7 +287,7 @@ export const priceText = (p: Price) => {
 let asked = 0;
 export async function askPrice(edits: Edit[] | null): Promise<void> {
   const number = ++asked;
-  if (!edits || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
+  if (!edits || useStore.getState().scope || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
   const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) }).catch(() => null);
   if (number !== asked) return;
   set({ price: answer?.ok ? await answer.json() as Price : null });
@@ -295,13 +331,27 @@ export function steadily<T>(send: (value: T) => Promise<unknown>) {
 
 // Bypasses nodes, or no longer if all of them are.
 export function bypass(names: string[]) {
-  const nodes = useStore.getState().doc?.nodes.filter(n => names.includes(n.name) && !n.graph) ?? [], on = !nodes.every(n => n.bypass);
+  const nodes = shownDoc(useStore.getState())?.nodes.filter(n => names.includes(n.name) && !n.graph) ?? [], on = !nodes.every(n => n.bypass);
   if (nodes.length) void edit(nodes.map(n => ({ op: 'bypass', node: n.name, bypass: on })));
+}
+
+// Where a value such as ${seed} comes from: its parameter of the graph, or of the node that is the subgraph, and what changes it.
+export interface Source { name: string; value: Written; edits: (value: Written) => Edit[]; scope: string }
+export function sourceOf(written: Written, s: Pick<Store, 'doc' | 'inside' | 'scope'>): Source | undefined {
+  const nameIn = (value: Written) => /^\$\{([^}]+)\}$/.exec(String(value))?.[1];
+  const own = shownDoc(s)?.parameters.find(p => p.name === nameIn(written));
+  if (!own) return undefined;
+  if (!s.scope) return { name: own.name, value: own.value, edits: value => [{ op: 'set_default', name: own.name, value }], scope: '' };
+  const user = s.doc?.nodes.find(n => n.name === s.scope); // of a subgraph in a subgraph, nothing is known here
+  if (!user) return undefined;
+  const value = user.params[own.name]?.value, outer = value === undefined ? undefined : sourceOf(value, { doc: s.doc, inside: null, scope: '' });
+  return outer ?? { name: own.name, value: value ?? own.value, edits: v => [{ op: 'set', node: user.name, name: own.name, value: v }], scope: '' };
 }
 
 export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
 
 const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'canceled', 'waiting', 'running', 'failed'];
+export const worse = (a: NodeState, b: NodeState) => (rank.indexOf(b.state) > rank.indexOf(a.state) ? b : a);
 
 // A path without the names of elements: "part[3]/pack" becomes "part/pack".
 const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
@@ -318,8 +368,9 @@ const nothing: NodeState = { type: '', state: 'cached', progress: 0, note: '', s
 export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
   if (node.bypass) return { ...nothing, state: 'bypassed' };
   if (!node.graph && nodes[node.name]) return nodes[node.name];
-  const inside = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
-  if (!inside.length) return undefined;
+  const all = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
+  if (!all.length) return undefined;
+  const read = all.filter(([, s]) => s.state !== 'stale' || s.reasons.length), inside = read.length ? read : all; // the others run for nobody
   const out: NodeState = { ...nothing, reasons: [], warnings: [], files: [] };
   for (const [path, s] of inside) {
     if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;

@@ -1,4 +1,4 @@
-import { select, splitWire, useStore, edit, type Edit } from './store';
+import { edit, fullName, select, shownDoc, sourceOf, splitWire, useStore, type Edit } from './store';
 import type { Pen, Point } from './pen';
 import type { Doc, DocNode } from './types';
 
@@ -16,7 +16,7 @@ export const tools: Tool[] = [
 
 // The node of Segment's that a color of the binder is set on, and the node that gets corrections.
 export const segmentOf = (node: DocNode): DocNode | undefined => {
-  const { doc, types } = useStore.getState();
+  const { types } = useStore.getState(), doc = shownDoc(useStore.getState());
   const up = (n: DocNode, input: string) => doc?.nodes.find(x => x.name === splitWire(n.inputs[input]?.[0] ?? '', doc, types).node);
   for (let n: DocNode | undefined = node, k = 0; n && k < 8; ++k) {
     if (n.type === 'Segment' && !n.inputs.labels) return n;
@@ -26,7 +26,7 @@ export const segmentOf = (node: DocNode): DocNode | undefined => {
 };
 
 export function editLabelsOf(node: DocNode): DocNode | undefined {
-  const { doc, types } = useStore.getState();
+  const { types } = useStore.getState(), doc = shownDoc(useStore.getState());
   if (node.type === 'EditLabels') return node;
   const source = doc?.nodes.find(n => n.type === 'EditLabels' && n.name === splitWire(node.inputs.labels?.[0] ?? '', doc, types).node);
   return source ?? doc?.nodes.find(n => n.type === 'EditLabels' && n.inputs.labels?.[0] === `${node.name}.labels`);
@@ -39,7 +39,7 @@ export const usable = (tool: Tool, node: DocNode) =>
 export const freshName = (doc: Doc, name: string) => {
   for (let k = 1; ; ++k) {
     const full = k === 1 ? name : `${name}_${k}`;
-    if (!doc.nodes.some(n => n.name === full)) return full;
+    if (!doc.nodes.some(n => n.name.split('/').pop() === full)) return full;
   }
 };
 
@@ -80,21 +80,19 @@ export function simplified(points: Point[]): Point[] {
 
 // Adds a correction, as one step of undo.
 export async function correct(node: DocNode, tool: string, points: Point[], section: number): Promise<void> {
-  const { doc } = useStore.getState();
+  const doc = shownDoc(useStore.getState());
   const number = (v: number) => String(Number(v.toFixed(1)));
   const text = `${section ? `${section}: ` : ''}${tool} ${(tool === 'outline' ? simplified(points) : points).flat().map(number).join(' ')}`;
   const editor = editLabelsOf(node), segment = segmentOf(node);
   if (!doc || (!editor && !segment)) return;
   const { name, edits } = editor ? { name: editor.name, edits: [{ op: 'append', node: editor.name, name: 'edits', value: text }] } : insert(doc, segment!, text);
-  if (await edit(edits)) setTimeout(() => select(name), 50);
+  if (await edit(edits)) setTimeout(() => select(fullName(name)), 50);
 }
 
 // Sets the binder's color, in the parameter of the graph if the node takes it from there.
 export async function setBinder(node: DocNode, color: string): Promise<void> {
-  const segment = segmentOf(node), { doc } = useStore.getState();
-  if (!segment || !doc) return;
-  const written = segment.params.binder?.value;
-  const shared = typeof written === 'string' && /^\$\{(\w+)\}$/.exec(written)?.[1];
-  await edit([shared && doc.parameters.some(p => p.name === shared) ? { op: 'set_default', name: shared, value: color }
-    : { op: 'set', node: segment.name, name: 'binder', value: color }]);
+  const segment = segmentOf(node);
+  if (!segment) return;
+  const from = sourceOf(segment.params.binder?.value ?? '', useStore.getState());
+  await (from ? edit(from.edits(color), false, {}, from.scope) : edit([{ op: 'set', node: segment.name, name: 'binder', value: color }]));
 }

@@ -15,6 +15,7 @@ export interface DocNode {
   inputs: Record<string, string[]>;
   each?: Record<string, { value: Written; line: number }>;
   declaration?: NodeType;
+  parts?: string[]; // nodes that are drawn within this one's card
   inner?: Record<string, { path: string; port: string } | null>; // what makes each output of a subgraph, or of a bypassed node
 }
 export interface Message {

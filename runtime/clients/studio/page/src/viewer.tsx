@@ -6,7 +6,7 @@ import { LinkedView } from './linked';
 import { useNearest, useNode } from './load';
 import { PlaneBar, PlaneView } from './plane';
 import { percentText } from './progress';
-import { declarationOf, post, previewOf, shownDoc, stateOf, useStore, valueOf, type Target } from './store';
+import { declarationOf, isLocked, post, previewOf, shownDoc, stateOf, useStore, valueOf, type Target } from './store';
 import { View } from './viewers';
 import { Waiting } from './waiting';
 import type { DocNode, OutputValue } from './types';
@@ -61,7 +61,7 @@ export function Viewer() {
   }, [dropper]);
   const drop = dropper ? source ?? sources[0] ?? null : null;
   const name = drop?.node ?? pinned?.node ?? selected ?? auto?.node, node = useNode(name);
-  const reference = useStore(s => s.reference);
+  const reference = useStore(s => s.reference), locked = useStore(isLocked);
   const outputs = (node && declarationOf(node, types)?.outputs) ?? [], extras = node ? extrasOf(node, outputs) : [];
   const chosen = useStore(s => s.extra), extra = extras.includes(chosen) ? chosen : '';
   const shown = drop?.port ?? pinned?.port ?? (selected ? port : auto?.port) ?? outputs[0]?.name ?? '';
@@ -96,7 +96,7 @@ export function Viewer() {
       </div>
       <div className={`stage${old ? ' stale' : ''}`}>
         {gallery ? <Gallery picture={gallery} /> : <Stage node={node} value={value} kind={outputs.find(p => p.name === shown)?.types[0]} extra={extra} />}
-        {node?.type === 'Section' && !node.name.includes('/') && !extra && <PlaneBar key={node.name} node={node} />}
+        {node?.type === 'Section' && !locked && !extra && <PlaneBar key={node.name} node={node} />}
         {follows && <Waiting />}
       </div>
     </section>

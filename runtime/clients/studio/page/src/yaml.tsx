@@ -1,7 +1,7 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { flushSync } from 'react-dom';
 
-import { goToLine, post, select, useStore } from './store';
+import { change, goToLine, select, shownDoc, useStore } from './store';
 
 const lineHeight = 18;
 
@@ -23,9 +23,9 @@ function startOf(text: string, line: number): number {
 }
 
 export function Yaml() {
-  const text = useStore(s => s.doc?.text ?? '');
+  const text = useStore(s => shownDoc(s)?.text ?? '');
   const messages = useStore(s => s.doc?.messages);
-  const file = useStore(s => s.doc?.file);
+  const file = useStore(s => shownDoc(s)?.file);
   const line = useStore(s => s.line);
   const [draft, setDraft] = useState<string | null>(null), [base, setBase] = useState(''); // base: the text that the draft began with
   const area = useRef<HTMLTextAreaElement>(null), gutter = useRef<HTMLPreElement>(null);
@@ -47,7 +47,7 @@ export function Yaml() {
   }, [line]);
 
   const apply = async () => {
-    if (draft !== null && (draft === text || await post('/api/text', { text: draft }))) setDraft(null);
+    if (draft !== null && (draft === text || await change('/api/text', { text: draft }))) setDraft(null);
   };
   return (
     <section className="drawer" aria-label="YAML text">
