@@ -108,8 +108,8 @@ struct Detail {
     float strength = 0;  // power of relief relative to stains, of detail that runs across the light
   };
   Relief relief;
-  // The soil between a surface's stones sewn together from the photograph's: skin_shade()
-  // relative to the mean color of the soil, row by row from the top. Empty: none.
+  // The soil between a surface's stones, continued below them, which repeats: skin_shade() relative to the
+  // mean color of the soil, row by row from the top. Empty: none.
   struct Ground {
     int width = 0, height = 0;  // pixels of the photograph
     std::vector<Vec3f> shade;

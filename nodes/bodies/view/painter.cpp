@@ -104,7 +104,7 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
 }
 
 // Soil is uneven: its light grains stand out, as deep ones lie in the shadow, and it rises and falls around
-// stones. So it creeps over their edges here and there.
+// stones. So it creeps over their edges here and there. Its picture has the light of that already.
 void Painter::raise_soil(const Work& work) {
   constexpr float kGrain = 0.7F;   // pixels, standard deviation of the height
   constexpr float kBroad = 0.08F;  // the same of hills, in diameters of the largest stone
@@ -129,7 +129,6 @@ void Painter::raise_soil(const Work& work) {
   const double pixel = options_.pixel_size;
   const cv::Mat wide = blurred_widely(bright, kWide * bed_.largest() / pixel);
   const cv::Mat hills = standardized(wide) * (kBroad * bed_.largest());
-  hills_.assign(hills.begin<float>(), hills.end<float>());
   const cv::Mat relief = standardized(bright) * (kGrain * pixel) + hills;
   relief_.assign(relief.begin<float>(), relief.end<float>());
 }
@@ -149,25 +148,12 @@ float Painter::soil_at(float x, float row) const {
   return soil_ + std::lerp(between(upper), between(lower), v - upper);
 }
 
-// Only hills are shaded: the photograph of the grains shows their light already.
-Vec3f Painter::soil_normal(float x, float row) const {
-  if (hills_.empty()) return Vec3f::UnitZ();
-  const int u = std::clamp(round_down(x), 0, options_.pixels_x - 1);
-  const int v = std::clamp(round_down(row), 0, options_.pixels_y - 1);
-  const int right = std::min(u + 1, options_.pixels_x - 1);
-  const int lower = std::min(v + 1, options_.pixels_y - 1);
-  const float pixel = static_cast<float>(options_.pixel_size);
-  return Vec3f(hills_[at(u, v)] - hills_[at(right, v)], hills_[at(u, lower)] - hills_[at(u, v)], pixel)
-      .normalized();
-}
-
 BedPoint Painter::seen(float x, float row) const {
   BedPoint point;
   const float ground = soil_at(x, row);
   if (bed_.below(across(x), upwards(row), point) && point.at.z() > ground) return point;
   BedPoint soil;
   soil.at = Vec3f(across(x), upwards(row), ground);
-  soil.normal = soil_normal(x, row);
   return soil;
 }
 

@@ -47,7 +47,6 @@ class Painter {
   float soil_at(float x, float row) const;
   std::vector<float> smooth(const std::vector<float>&, const Work&) const;
   float mean_near(const std::vector<float>&, int x, int row) const;
-  Vec3f soil_normal(float x, float row) const;
   Vec3f color_near(int x, int row, int stone) const;
   Vec3f antialiased(int x, int row) const;
 
@@ -58,7 +57,6 @@ class Painter {
   float albedo_;
   std::uint64_t first_;              // number of the first pixel, of all pictures
   float soil_ = 0;                   // mean height, mm
-  std::vector<float> hills_;         // the broad part of the soil's relief, as that
   std::vector<float> relief_;        // of the soil at each pixel's center, mm; empty: level
   float ground_ = 0;                 // height of the shadows between loose stones, mm
   std::vector<std::int32_t> stone_;  // at the center of each pixel

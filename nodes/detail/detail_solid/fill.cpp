@@ -15,6 +15,7 @@ constexpr int kPatch = 7;
 constexpr int kRounds = 5;            // per level
 constexpr int kCoarsest = 24;         // pixels of the shorter side at the coarsest level
 constexpr std::size_t kEnough = 400;  // source patches that suffice
+constexpr int kCell = 4;              // pixels: sources whose corners share a cell wear out together
 
 // A pixel of the half-size picture is known if at least two of its four are.
 PartialPicture halved(const PartialPicture& p) {
@@ -140,10 +141,29 @@ class Level {
     return weight > 0 ? sum / weight : std::numeric_limits<float>::max();
   }
 
+  std::size_t cell_of(std::int32_t source) const {
+    return pixel_at(source % columns_ / kCell, source / columns_ / kCell, columns_ / kCell + 1);
+  }
+  void count_uses() {
+    const std::size_t cells = pixels_in(columns_ / kCell + 1, rows_ / kCell + 1);
+    uses_.assign(cells, 0);
+    usual_.assign(cells, 0);
+    const float each = std::max(1.0F, static_cast<float>(targets_.size()) / sources_.size());
+    for (const std::int32_t s : sources_) usual_[cell_of(s)] += each;
+    for (const std::int32_t t : targets_) ++uses_[cell_of(match_[t])];
+  }
+  // A place that is used more often than others counts as that much worse (Kaspar and others 2015).
+  // Otherwise the smoothest ones would be copied everywhere.
+  float wear(std::int32_t source) const {
+    const std::size_t cell = cell_of(source);
+    return std::max(1.0F, uses_[cell] / usual_[cell]);
+  }
+
   void search(int round, const Work& work) {
     constexpr std::size_t kBetweenChecks = 4096;
     distance_.assign(match_.size(), 0);
     for (const std::int32_t t : targets_) distance_[t] = distance(t, match_[t], 1e30f);
+    count_uses();
     const bool forward = round % 2 == 0;
     const int step = forward ? -1 : 1;
     for (std::size_t n = 0; n < targets_.size(); ++n) {
@@ -155,8 +175,12 @@ class Level {
         if (u < 0 || v < 0 || u >= columns_ || v >= rows_) return;
         const std::int32_t s = v * columns_ + u;
         if (!is_source_[s] || s == match_[at]) return;
-        const float d = distance(t, s, distance_[at]);
-        if (d < distance_[at]) {
+        const float here = wear(match_[at]);
+        const float there = wear(s);
+        const float d = distance(t, s, distance_[at] * here / there);
+        if (d * there < distance_[at] * here) {
+          --uses_[cell_of(match_[at])];
+          ++uses_[cell_of(s)];
           distance_[at] = d;
           match_[at] = s;
         }
@@ -214,13 +238,13 @@ class Level {
           // Patches centered nearer to the pixel win among those of equal distance.
           const float near = k / (1 + 0.05f * (std::abs(x - kPatch / 2) + std::abs(y - kPatch / 2)));
           if (near > weight[a]) {
-            sum[a] = near * source_.value[b];
+            sum[a] = source_.value[b];
             weight[a] = near;
           }
         }
     }
     for (std::size_t i = 0; i < picture_.size(); ++i)
-      if (!source_.known[i] && weight[i] > 0) picture_[i] = sum[i] / weight[i];
+      if (!source_.known[i] && weight[i] > 0) picture_[i] = best ? sum[i] : Vec3f(sum[i] / weight[i]);
   }
 
   const PartialPicture& source_;
@@ -231,6 +255,7 @@ class Level {
   std::vector<std::uint8_t> is_source_, whole_;
   std::vector<std::int32_t> match_;
   std::vector<float> distance_;
+  std::vector<float> uses_, usual_;  // matches with sources in each cell, and on average
 };
 
 }  // namespace

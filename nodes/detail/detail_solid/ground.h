@@ -12,8 +12,9 @@
 
 namespace terrazzo::detail_solid {
 
-// The window of at most 512 pixels square with most soil, sewn together from it. Nothing of other views,
-// of loose stones, and of less than a tenth soil. `mask`: not 0 where a pixel is no soil; may be null.
+// The window of at most 512 pixels square with most soil. Soil continues where stones and their shadows were
+// (fill.h), and at each edge as at the opposite one. Nothing of other views, of loose stones, of windows
+// below 48 pixels and of less than a tenth soil. `mask`: not 0 where a pixel is no soil; may be null.
 Detail::Ground find_ground(const Image&, const Labels&, const Labels* mask, const Profiles&,
                            std::uint64_t seed, const Work& = {});
 

@@ -270,7 +270,7 @@ std::vector<Box> boxes_of(const Labels& labels) {
   return boxes;
 }
 
-// Complete stones that are large enough and mostly visible.
+// Stones that are large enough and mostly visible. Of those that the border cuts, the texture continues.
 std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& profiles,
                                        const std::vector<Box>& boxes) {
   std::vector<std::size_t> usable;
@@ -280,8 +280,7 @@ std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& pro
       throw Error("size-mismatch",
                   fmt::format("profile {} is in section {} of {}", k + 1, p.section + 1, labels.sections),
                   "use labels and profiles of the same segmentation");
-    if (p.area > 0 && p.color.allFinite() && !p.touches_border && boxes[k].pixels >= kLeastPixels &&
-        p.area >= kVisible * p.whole)
+    if (p.area > 0 && p.color.allFinite() && boxes[k].pixels >= kLeastPixels && p.area >= kVisible * p.whole)
       usable.push_back(k);
   }
   return usable;

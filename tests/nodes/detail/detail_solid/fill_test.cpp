@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 
 namespace terrazzo {
@@ -50,6 +52,25 @@ TEST(FillPicture, SmallHolesAreFilledToo) {
   p.value[50 * 96 + 50] = Vec3f::Constant(9);
   fill_picture(p, 1);
   for (std::size_t i = 0; i < p.value.size(); ++i) ASSERT_NEAR(p.value[i].x(), wanted.value[i].x(), 1e-5f);
+}
+
+TEST(FillPicture, CopiesFromAllPlaces) {
+  PartialPicture p;
+  p.width = p.height = 120;
+  std::map<float, int> copies;
+  for (int y = 0; y < p.height; ++y)
+    for (int x = 0; x < p.width; ++x) {
+      const double grain = Random(5, 1, pixel_at(x, y, p.width)).uniform() - 0.5;
+      p.known.push_back(y < 60);
+      p.value.push_back(Vec3f::Constant(static_cast<float>((x + 20) * grain)));  // smoothest on the left
+      if (p.known.back()) copies[p.value.back().x()] = 0;
+    }
+  fill_picture(p, 1);
+  for (int y = 60; y < p.height; ++y)
+    for (int x = 0; x < p.width; ++x) ++copies.at(p.value[pixel_at(x, y, p.width)].x());
+  double copied = 0;
+  for (const auto& [value, times] : copies) copied += times > 0;
+  EXPECT_GT(copied / copies.size(), 0.35);
 }
 
 TEST(FillPicture, GrainKeepsItsDeviation) {

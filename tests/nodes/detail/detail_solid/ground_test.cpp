@@ -2,65 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <set>
+#include <utility>
 
-#include "nodes/detail/detail_solid/quilt.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 #include "tests/nodes/detail/detail_solid/drawn_picture.h"
 
 namespace terrazzo {
 namespace {
 using namespace detail_solid;
-
-// Stripes of 6 pixels, of which squares of `hole` pixels in every 64 are unknown.
-PartialPicture stripes(int size, int hole) {
-  PartialPicture p;
-  p.width = p.height = size;
-  for (int y = 0; y < size; ++y)
-    for (int x = 0; x < size; ++x) {
-      const bool known = x % 64 >= hole || y % 64 >= hole;
-      p.known.push_back(known);
-      p.value.push_back(Vec3f::Constant(known ? (y / 6 % 2 ? 0.7F : 0.3F) : 99));
-    }
-  return p;
-}
-
-TEST(Quilt, ContinuesTheTextureWithoutWhatIsUnknown) {
-  const PartialPicture quilt = quilt_picture(stripes(192, 24), 150, 150, 1);
-  ASSERT_GT(quilt.width, 120);
-  ASSERT_GT(quilt.height, 120);
-  int changes_across = 0;
-  int wrong = 0;
-  for (int y = 0; y < quilt.height; ++y)
-    for (int x = 0; x < quilt.width; ++x) {
-      const float v = quilt.value[pixel_at(x, y, quilt.width)].x();
-      EXPECT_TRUE(v == 0.3F || v == 0.7F) << v;
-      wrong += v != 0.3F && v != 0.7F;
-      // The right edge continues at the left one.
-      changes_across += v != quilt.value[pixel_at((x + 1) % quilt.width, y, quilt.width)].x();
-    }
-  ASSERT_EQ(wrong, 0);
-  // Stripes run on: seams show in few pixels.
-  EXPECT_LT(changes_across, 0.04 * quilt.width * quilt.height);
-}
-
-TEST(Quilt, DependsOnTheSeedAlone) {
-  PartialPicture noise = stripes(128, 20);
-  for (std::size_t i = 0; i < noise.value.size(); ++i)
-    noise.value[i] = Vec3f::Constant(static_cast<float>(Random(3, 1, i).uniform()));
-  const PartialPicture a = quilt_picture(noise, 100, 100, 1);
-  EXPECT_EQ(a.value, quilt_picture(noise, 100, 100, 1).value);
-  EXPECT_NE(a.value, quilt_picture(noise, 100, 100, 2).value);
-}
-
-TEST(Quilt, NeedsPlacesAsWideAsItsPieces) {
-  PartialPicture p = stripes(128, 0);
-  for (int y = 0; y < p.height; ++y)
-    for (int x = 0; x < p.width; ++x)
-      if (x % 10 == 0) p.known[pixel_at(x, y, p.width)] = 0;  // 9 pixels are known between
-  EXPECT_TRUE(quilt_picture(p, 100, 100, 1).value.empty());
-}
 
 // Stones in soil whose left half is lighter.
 test::DrawnPicture stones_in_soil() {
@@ -94,6 +46,50 @@ TEST(Ground, ShowsSoilAndNoStones) {
     mean += v.x() / ground.shade.size();
   }
   EXPECT_NEAR(mean, 0, 0.05);  // of logarithms: a little below that of colors
+}
+
+// Mean difference of luminance from one pixel to the next one, across the edges or inside.
+double mean_step(const Detail::Ground& ground, bool edges) {
+  double sum = 0, count = 0;
+  for (int y = 0; y < ground.height; ++y)
+    for (int x = 0; x < ground.width; ++x)
+      for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}}) {
+        const bool over = x + dx == ground.width || y + dy == ground.height;
+        if (over != edges) continue;
+        const int u = (x + dx) % ground.width, v = (y + dy) % ground.height;
+        sum += std::abs(ground.shade[pixel_at(x, y, ground.width)].x() -
+                        ground.shade[pixel_at(u, v, ground.width)].x());
+        ++count;
+      }
+  return sum / count;
+}
+
+TEST(Ground, ContinuesAtTheOppositeEdge) {
+  const test::DrawnPicture drawn = test::draw_disks(320, 80, 24, [](int x, int y, int) {
+    return Vec3f(
+        Vec3f::Constant(static_cast<float>(0.5 + 0.1 * std::sin(x / 5.0) + 0.1 * std::sin(y / 7.0))));
+  });
+  const Detail::Ground ground = find_ground(drawn.image, drawn.labels, nullptr, surface_of(0.28), 1);
+  ASSERT_GT(ground.width, 240);
+  ASSERT_GT(ground.height, 240);
+  EXPECT_LT(mean_step(ground, true), 1.5 * mean_step(ground, false));
+}
+
+// To the right of each stone, the soil has a fifth of the light.
+TEST(Ground, HasNoShadowsOfStones) {
+  const auto shadowed = [](bool shadows) {
+    const test::DrawnPicture drawn = test::draw_disks(320, 80, 24, [&](int x, int y, int id) {
+      const double dx = x % 80 + 0.5 - 40, dy = y % 80 + 0.5 - 40;
+      const bool dark = shadows && id == 0 && dx > 0 && std::hypot(dx - 6, dy) < 24;
+      const float grain = static_cast<float>(Random(1, 1, pixel_at(x, y, 320)).uniform() - 0.5);
+      return linear_to_srgb(Vec3f::Constant((dark ? 0.04F : 0.2F) * std::exp(0.3F * grain)));
+    });
+    const Detail::Ground ground = find_ground(drawn.image, drawn.labels, nullptr, surface_of(0.28), 1);
+    double darkest = 0;
+    for (const Vec3f& v : ground.shade) darkest = std::min<double>(darkest, v.x());
+    return darkest;
+  };
+  EXPECT_NEAR(shadowed(true), shadowed(false), 0.05);
 }
 
 TEST(Ground, IsOfSurfacesWithSoil) {

@@ -146,12 +146,12 @@ TEST(Skins, ReliefIsToldFromStainsByTheDirectionOfTheLight) {
   EXPECT_EQ(strength(true, false), 0);
 }
 
-TEST(Skins, AreOfWholeStonesOfASurface) {
+TEST(Skins, AreOfStonesThatNothingHidesOnASurface) {
   const test::DrawnPicture drawn = domes(0.4F, 0);
   Profiles p = seen_from_above(drawn, 0.25F);
-  p.profiles[3].touches_border = true;
+  p.profiles[3].touches_border = true;           // its texture continues
   p.profiles[4].whole = 2 * p.profiles[4].area;  // half of it is hidden
-  EXPECT_EQ(find_skins(drawn.image, drawn.labels, p, 1).skins.size(), 23U);
+  EXPECT_EQ(find_skins(drawn.image, drawn.labels, p, 1).skins.size(), 24U);
   p.view = View::Section;
   EXPECT_TRUE(find_skins(drawn.image, drawn.labels, p, 1).skins.empty());
   p.view = View::Surface;
