@@ -1,7 +1,9 @@
 // Compares how particles and binder are arranged in sections, by length.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/compare/compare/comparison.h"
@@ -65,30 +67,83 @@ struct Counts {
   }
 };
 
+// The pixels of a line that have a property, 64 to a word.
+class Bits {
+ public:
+  explicit Bits(int length) : words_(length / 64 + 2, 0) {}
+  void clear() { std::ranges::fill(words_, 0); }
+  void set(int i) { words_[i / 64] |= std::uint64_t{1} << (i % 64); }
+  bool has(int i) const { return words_[i / 64] >> (i % 64) & 1; }
+  // How many pixels, and those r pixels further, both have it.
+  std::int64_t pairs(int r, int length) const {
+    const int word = r / 64, bit = r % 64;
+    std::int64_t count = 0;
+    for (int k = 0; 64 * k + r < length; ++k) {
+      const std::uint64_t low = words_[k + word] >> bit;
+      const std::uint64_t high = bit > 0 ? words_[k + word + 1] << (64 - bit) : 0;
+      count += std::popcount(words_[k] & (low | high));
+    }
+    return count;
+  }
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+// Adds the segments within a run of equal ids.
+void add_run(std::vector<std::int64_t>& within, int run, int longest) {
+  for (int r = 0; r <= std::min(run - 1, longest); ++r) within[r] += run - r;
+}
+
+class SegmentCounter {
+ public:
+  SegmentCounter(const Window& w, int longest)
+      : counts_(static_cast<std::size_t>(longest) + 1),
+        longest_(longest),
+        observed_(std::max(w.width, w.height)),
+        particle_(observed_) {}
+
+  void add_line(const std::int32_t* first, int length, int stride) {
+    auto& [both, inside, binder, pairs, ends] = counts_.of;
+    observed_.clear();
+    particle_.clear();
+    int seen = 0;  // observed pixels
+    for (int i = 0, run = 0; i < length; ++i) {
+      const std::int32_t id = first[static_cast<std::ptrdiff_t>(i) * stride];
+      ++run;
+      if (id >= 0) observed_.set(i);
+      if (id > 0) particle_.set(i);
+      seen += id >= 0;
+      if (i + 1 < length && first[static_cast<std::ptrdiff_t>(i + 1) * stride] == id) continue;
+      if (id >= 0) add_run(id > 0 ? inside : binder, run, longest_);
+      run = 0;
+    }
+    const bool all = seen == length;
+    for (int r = 0; r <= std::min(length - 1, longest_); ++r) {
+      both[r] += particle_.pairs(r, length);
+      pairs[r] += all ? length - r : observed_.pairs(r, length);
+      ends[r] += seen;  // from pixel r on
+      seen -= observed_.has(r);
+    }
+  }
+  Counts take() { return std::move(counts_); }
+
+ private:
+  Counts counts_;
+  int longest_;
+  Bits observed_, particle_;
+};
+
 std::vector<Counts> count_segments(const std::vector<Window>& windows, double reach, const Work& work) {
   const int longest = round_up(reach / windows.front().labels->pixel_size) + 1;
-  std::vector<Counts> counts(windows.size(), Counts(static_cast<std::size_t>(longest) + 1));
+  std::vector<Counts> counts(windows.size(), Counts(0));
   work.parallel(windows.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      auto& [both, inside, binder, pairs, ends] = counts[k].of;
+      SegmentCounter counter(windows[k], longest);
       each_line(windows[k], [&](const std::int32_t* first, int length, int stride) {
-        std::int32_t before = 0;
-        int run = 0;
-        for (int i = 0; i < length; ++i) {
-          const std::int32_t* p = first + static_cast<std::ptrdiff_t>(i) * stride;
-          run = i > 0 && *p == before ? run + 1 : 1;
-          before = *p;
-          if (*p < 0) continue;
-          // Segments that end at this pixel.
-          for (int r = 0; r <= std::min(i, longest); ++r) {
-            const std::int32_t start = p[-static_cast<std::ptrdiff_t>(r) * stride];
-            ++ends[r];
-            pairs[r] += start >= 0;
-            both[r] += *p > 0 && start > 0;
-            (*p > 0 ? inside : binder)[r] += run > r;
-          }
-        }
+        counter.add_line(first, length, stride);
       });
+      counts[k] = counter.take();
     }
   });
   return counts;
