@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
@@ -42,11 +43,14 @@ std::pair<double, double> ParticleIndex::add_shape(const Shape& s) {
   t.indices = m.indices;
   meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
   triangles_.push_back(std::move(t));
-  const double near = std::sqrt(squared_distance(s.mesh, AabbTree(s.mesh), Vec3::Zero(), 1e300));
+  double near = std::numeric_limits<double>::infinity();  // squared
+  for (const auto& [a, b, c] : s.mesh.triangles)
+    near = std::min(near, squared_distance_to_triangle(Vec3::Zero(), s.mesh.vertices[a], s.mesh.vertices[b],
+                                                       s.mesh.vertices[c]));
   // A shape's origin may be outside the shape: then there is no inner sphere.
   RayHit hit;
   const bool holds_origin = meshes_.back().nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit);
-  return {far, holds_origin ? near : 0};
+  return {far, holds_origin ? std::sqrt(near) : 0};
 }
 
 void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
