@@ -83,7 +83,7 @@ namespace terrazzo {
 
 NodeType render_solid_node() {
   using namespace render_solid;
-  NodeType type("RenderSolid", 11);
+  NodeType type("RenderSolid", 12);
   type.doc_(
           "Renders a picture of the solid under one large lamp and a pale dome: a block with a corner cut "
           "out, a body carved from it, or its particles without binder")
@@ -100,12 +100,11 @@ NodeType render_solid_node() {
           Parameter::integer("width", 720).unit_("pixels").range(1, 16384).doc_("Width of the picture"))
       .parameter(
           Parameter::integer("height", 720).unit_("pixels").range(1, 16384).doc_("Height of the picture"))
-      .parameter(
-          Parameter::integer("samples", 32)
-              .range(1, 65536)
-              .doc_(
-                  "Light paths per pixel; of an even number, two for each ray from the camera. Four times as "
-                  "many halve the noise; powers of two are distributed best."))
+      .parameter(Parameter::integer("samples", 32)
+                     .range(1, 65536)
+                     .doc_("Light paths per pixel: four for each ray from the camera if divisible by four, "
+                           "or two if even. Four "
+                           "times as many halve the noise; powers of two are distributed best."))
       .parameter(
           Parameter::choice("mode", "auto", kModes)
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "

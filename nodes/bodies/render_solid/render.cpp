@@ -155,8 +155,9 @@ Image render(const Solid& solid, const Studio& studio, const Camera& camera, con
   const auto divide = [](Image& sums, int count) {
     for (Vec3f& pixel : sums.pixels) pixel /= float(count);
   };
-  // Color varies less within a pixel than light does, so each ray from the camera starts two light paths.
-  const int paths_per_ray = settings.samples % 2 == 0 ? 2 : 1, rays = settings.samples / paths_per_ray;
+  // Color varies less within a pixel than light does, so each ray from the camera starts several light paths.
+  const int paths_per_ray = settings.samples % 4 == 0 ? 4 : settings.samples % 2 == 0 ? 2 : 1;
+  const int rays = settings.samples / paths_per_ray;
   for (int from = 0; from < rays;) {
     const int to = refined ? std::min(std::max(1, 2 * from), rays) : rays;
     const Work part = work.part(double(from) / rays, double(to) / rays);
