@@ -50,7 +50,7 @@ namespace terrazzo {
 
 NodeType voxelize_node() {
   using namespace voxelize;
-  return NodeType("Voxelize", 6)
+  return NodeType("Voxelize", 7)
       .doc_(
           "Converts particles, binder and fine detail to tileable OpenVDB grids: density, surface, Cd and "
           "id.")

@@ -116,7 +116,7 @@ void scan_stamp(Stamp& stamp, const Particles& particles, const Shape& shape, do
   }
   // Small particles have few voxels to average over, so each voxel gets more lines.
   const double extent = bounds.sizes().minCoeff();
-  const int lines = extent > 24 ? 13 : extent > 6 ? 21 : extent > 2 ? 55 : 89;
+  const int lines = extent > 6 ? 13 : extent > 2 ? 55 : 89;
   scan_mesh(vertices, shape.mesh.triangles, stamp.box, lines, stamp.scan);
 }
 

@@ -77,9 +77,9 @@ std::vector<Stamp> stamps_of(const std::vector<CellBox>& boxes, int z0, int z1, 
 
 }  // namespace
 
-// Distance lattices by shape and octave of size. The spacing is at most half a voxel for particles up to 32
-// voxels long and at most one voxel up to 256; longer ones use 256 cells. A lattice that few particles would
-// share takes longer to make than their distances.
+// Distance lattices by shape and octave of size. The spacing is at most a voxel for particles up to 256
+// voxels long, as that of the level set; longer ones use 256 cells. A lattice that few particles would share
+// takes longer to make than their distances.
 class Slabs::Distances {
  public:
   Distances(const Particles& particles, const Shapes& shapes, double voxel, const Work& work) {
@@ -91,9 +91,8 @@ class Slabs::Distances {
     }
     for (std::size_t p = 0; p < particles.count(); ++p) {
       const double voxels = extent[particles.shape[p]] * particles.scale[p] / voxel;
-      const double wanted = voxels <= 32 ? 2 * voxels : voxels;
       int cells = 4;
-      while (cells < wanted && cells < 256) cells *= 2;
+      while (cells < voxels && cells < 256) cells *= 2;
       key_.emplace_back(particles.shape[p], cells);
       double& band = band_[key_.back()];
       // The level set's band plus a margin for interpolation, limited for particles smaller than a voxel.
