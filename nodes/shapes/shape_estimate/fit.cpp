@@ -7,6 +7,7 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/mesh.h"
+#include "nodes/common/geometry/mesh/reduce.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/shapes/shape_estimate/feature_match.h"
 #include "nodes/shapes/shape_estimate/from_above.h"
@@ -20,10 +21,11 @@ namespace terrazzo::shape_estimate {
 
 namespace {
 
-// Planes per trial: the number of profiles within these bounds; a longer search may use more. kLastPlanes:
-// planes for the final bodies.
+// Planes per trial: the number of profiles within these bounds; a longer search may use more. Fewer tell
+// which family is best. kLastPlanes: planes for the final bodies.
 constexpr std::size_t kLeastPlanes = 144, kPlanesPerRound = 85, kMostPlanes = 512;
-constexpr std::size_t kLastPlanes = 1536;
+constexpr std::size_t kPlanesOfFamilies = 72, kLastPlanes = 1536;
+constexpr std::size_t kMostTriangles = 1500;  // of a body: sections of more do not differ from these
 constexpr std::size_t kHands = 4;
 constexpr int kGuesses = 96;  // number of starting bodies of each modeled family
 
@@ -207,17 +209,19 @@ struct Guess {
   FamilyKind kind;
   int number;
   FeatureSample sample;  // empty: used before
+  std::shared_ptr<const SwellingBall> ball = {};
 
   std::unique_ptr<BodyFamily> family(std::uint64_t seed) const {
-    return kind == FamilyKind::Faceted ? faceted_bodies(seed, number) : modeled_bodies(seed, number);
+    return kind == FamilyKind::Faceted ? faceted_bodies(seed, number) : modeled_bodies(seed, number, ball);
   }
 };
 
 std::vector<Guess> make_guesses(const SectionSampling& sampling, std::size_t planes, std::uint64_t seed,
                                 const Work& work) {
   std::vector<Guess> guesses;
+  const auto ball = swelling_ball(seed);
   for (const FamilyKind kind : {FamilyKind::Modeled, FamilyKind::Faceted})
-    for (int i = 0; i < kGuesses; ++i) guesses.push_back({kind, i, {}});
+    for (int i = 0; i < kGuesses; ++i) guesses.push_back({kind, i, {}, ball});
   work.parallel(guesses.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto family = guesses[i].family(seed);
@@ -256,7 +260,7 @@ class BodySearch {
       searches[i].at.x = Eigen::VectorXd::Zero(searches[i].family->dimensions());
       const double share = 0.5 / searches.size();
       const Work part = work.part(share * i, share * (i + 1));
-      improve(searches[i], k, 1, 0.4, std::min(planes_, kLeastPlanes), work, part);
+      improve(searches[i], k, 1, 0.4, std::min(planes_, kPlanesOfFamilies), work, part);
     }
     FamilySearch& best = *std::min_element(
         searches.begin(), searches.end(),
@@ -339,7 +343,7 @@ class BodySearch {
       if (mesh.triangles.empty()) return {};
       return target_.residuals(with_those_before(sampling_.sample(mesh, planes), k));
     };
-    search.at = least_squares(residuals, search.at.x, options, work);
+    search.at = least_squares(residuals, search.at.x, options, work, std::move(search.at.slope));
   }
 
   const FitRequest& request_;
@@ -415,6 +419,7 @@ Fit fit_bodies(const FitRequest& request, const Work& work) {
     const double from = 0.15 + 0.83 * k / request.count;
     fit.bodies.push_back(search.next(k, work.part(from, from + 0.83 / request.count)));
   }
+  for (FittedBody& body : fit.bodies) reduce_triangles(body.mesh, kMostTriangles, work.quiet());
   mix(fit, target, sampling, work.part(0.98, 1));
   if (request.from_above)
     for (FittedBody& body : fit.bodies) give_thickness(body.mesh, request.thickness);

@@ -35,20 +35,22 @@ Eigen::MatrixXd slopes_at(const Residuals& residuals, const Eigen::VectorXd& sta
 }  // namespace
 
 LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residuals,
-                           const Eigen::VectorXd& start, const LeastSquaresOptions& o, const Work& work) {
+                           const Eigen::VectorXd& start, const LeastSquaresOptions& o, const Work& work,
+                           Eigen::MatrixXd slope) {
   const double ridge = o.ridge * o.ridge;
   const auto total = [&](const Eigen::VectorXd& x, const Eigen::VectorXd& r) {
     return r.size() ? r.squaredNorm() + ridge * x.squaredNorm() : std::numeric_limits<double>::infinity();
   };
   const auto n = start.size();
-  LeastSquares best{start, 0};
+  LeastSquares best{start, 0, {}};
   Eigen::VectorXd at = residuals(start);
   best.value = total(start, at);
   double damping = 0.1, step = o.step;
   int failures = 0;
   for (int round = 0; round < o.rounds; ++round) {
     work.check();
-    Eigen::MatrixXd slope = slopes_at(residuals, best.x, at, step, work.quiet());
+    const bool known = round == 0 && slope.size() > 0;
+    if (!known) slope = slopes_at(residuals, best.x, at, step, work.quiet());
     bool improved = false;
     for (int move = 0; move <= o.updates; ++move) {
       const Eigen::MatrixXd square = slope.transpose() * slope;
@@ -89,9 +91,11 @@ LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::Vect
       failures = 0;
       continue;
     }
+    if (known) continue;
     if (++failures == 2) break;
     step = -step / 2;
   }
+  best.slope = std::move(slope);
   return best;
 }
 

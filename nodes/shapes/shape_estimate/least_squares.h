@@ -17,14 +17,17 @@ struct LeastSquaresOptions {
 
 struct LeastSquares {
   Eigen::VectorXd x;
-  double value = 0;  // sum of squares including the ridge
+  double value = 0;       // sum of squares including the ridge
+  Eigen::MatrixXd slope;  // of the residuals at x, about
 };
 
 // Levenberg–Marquardt (Marquardt 1963) on forward differences, from `start`. Each round uses the best of
 // several dampings. If none improves, it reverses and halves the differences; it ends after two such rounds
-// in a row. `residuals` is called from several threads concurrently and may return an empty vector if x is
+// in a row. `slope`: that at the start, if it is known, about; else the first round differences, too.
+// `residuals` is called from several threads concurrently and may return an empty vector if x is
 // infeasible, except at the start. The result does not depend on the number of threads.
 LeastSquares least_squares(const std::function<Eigen::VectorXd(const Eigen::VectorXd&)>& residuals,
-                           const Eigen::VectorXd& start, const LeastSquaresOptions&, const Work& = {});
+                           const Eigen::VectorXd& start, const LeastSquaresOptions&, const Work& = {},
+                           Eigen::MatrixXd slope = {});
 
 }  // namespace terrazzo::shape_estimate

@@ -143,7 +143,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 15)
+  return NodeType("ShapeEstimate", 16)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
           "silhouettes that a surface shows. How the sections of different particles are arranged in space "

@@ -39,8 +39,12 @@ std::unique_ptr<BodyFamily> faceted_bodies(std::uint64_t seed, int guess);
 // and by random fields of shorter wavelengths, flattened against planes whose directions are parameters
 // too, stretched, tapered, and with its long axis bent into an arc, so that the body need not be
 // star-shaped. 0 is element `guess` of a low-discrepancy sequence of such bodies: bent or straight,
-// flat-sided or round, elongated, flat, lumpy.
-std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess);
+// flat-sided or round, elongated, flat, lumpy. `ball`: what all bodies of `seed` share, if it is made
+// already.
+struct SwellingBall;
+std::shared_ptr<const SwellingBall> swelling_ball(std::uint64_t seed);
+std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess,
+                                           std::shared_ptr<const SwellingBall> ball = {});
 
 // A body of lobes: 5 to 14 ellipsoids around a core, and all that lies between them and its middle.
 // Star-shaped, of about unit radius. Element `guess` of a low-discrepancy sequence of numbers, depths and

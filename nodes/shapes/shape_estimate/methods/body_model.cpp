@@ -19,17 +19,15 @@ using std::numbers::pi;
 constexpr int kDegrees = 5, kHarmonics = harmonic_count(kDegrees), kPlanes = 8, kFields = Fields::kCount;
 constexpr int kLevel = 4;  // subdivision level of the ball: three edges per shortest wavelength
 
-// Coordinate `k` of 6 of element `index` of a low-discrepancy sequence (Roberts 2018), 0…1.
-double spread(int index, int k) {
-  constexpr double kStep[] = {0.8990, 0.8083, 0.7267, 0.6534, 0.5874, 0.5281};
-  return std::fmod(0.5 + kStep[k] * (index + 1), 1.0);
-}
+}  // namespace
 
-// The ball and, for each vertex, the functions by which it can swell.
-struct Ball {
+struct SwellingBall {
   Mesh mesh;
   Eigen::MatrixXd swells;  // [vertex][harmonic, then field]
-  explicit Ball(const Fields& fields) : mesh(geodesic_sphere(kLevel)) {
+  std::vector<Vec3> planes;
+  explicit SwellingBall(std::uint64_t seed)
+      : mesh(geodesic_sphere(kLevel)), planes(spread_directions(seed, kPlanes)) {
+    const Fields fields(seed);
     swells.resize(mesh.vertices.size(), kHarmonics + kFields);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
       const Eigen::Index row = v;
@@ -40,6 +38,14 @@ struct Ball {
     }
   }
 };
+
+namespace {
+
+// Coordinate `k` of 6 of element `index` of a low-discrepancy sequence (Roberts 2018), 0…1.
+double spread(int index, int k) {
+  constexpr double kStep[] = {0.8990, 0.8083, 0.7267, 0.6534, 0.5874, 0.5281};
+  return std::fmod(0.5 + kStep[k] * (index + 1), 1.0);
+}
 
 // Displacement by a plane of a point at height `d` above it: d far above, 0 far below, with a smooth
 // transition of width `soft`.
@@ -70,8 +76,7 @@ void bend(Mesh& mesh, double turn, double to) {
 
 class Modeled : public BodyFamily {
  public:
-  Modeled(std::uint64_t seed, int guess)
-      : fields_(seed), ball_(fields_), planes_(spread_directions(seed, kPlanes)) {
+  Modeled(std::shared_ptr<const SwellingBall> ball, std::uint64_t seed, int guess) : ball_(std::move(ball)) {
     const auto u = [&](int k) { return spread(guess, k); };
     const auto half = [&](int k) { return std::max(0.0, 2 * u(k) - 1); };  // zero for half of the bodies
     const double turn = u(2) > 0.5 ? 0.6 + 2 * half(2) : 0;
@@ -86,7 +91,7 @@ class Modeled : public BodyFamily {
   }
   int dimensions() const override { return 2 + kHarmonics + kFields + 3 * kPlanes + 1 + 1 + 2; }
   Mesh body(const Eigen::VectorXd& x) const override {
-    Mesh mesh = ball_.mesh;
+    Mesh mesh = ball_->mesh;
     int at = 0;
     const double l = bounded(long_ + 0.4 * x[at], 2), f = bounded(flat_ + 0.4 * x[at + 1], 1.4);
     at += 2;
@@ -96,14 +101,14 @@ class Modeled : public BodyFamily {
     at += kHarmonics;
     for (int k = 0; k < kFields; ++k) c[kHarmonics + k] = bounded(Fields::kAmplitude[k] * x[at + k], 0.12);
     at += kFields;
-    const Eigen::VectorXd swell = ball_.swells * c;
+    const Eigen::VectorXd swell = ball_->swells * c;
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
       mesh.vertices[v] *= std::exp(std::clamp(swell[v], -1.2, 1.2));
     const double soft = 0.015 * std::exp(bounded(1.2 * x[at + 3 * kPlanes], 3));
     for (int k = 0; k < kPlanes; ++k, at += 3) {
       const double depth = std::min(0.6, depth_ + 0.2 * x[at]);  // relative to the body's extent
       if (depth <= 0) continue;
-      const Mat3 frame = frame_about(planes_[k]);
+      const Mat3 frame = frame_about(ball_->planes[k]);
       const Vec3 n = (frame.col(2) + bounded(0.3 * x[at + 1], 0.8) * frame.col(0) +
                       bounded(0.3 * x[at + 2], 0.8) * frame.col(1))
                          .normalized();
@@ -128,9 +133,7 @@ class Modeled : public BodyFamily {
   }
 
  private:
-  Fields fields_;
-  Ball ball_;
-  std::vector<Vec3> planes_;
+  std::shared_ptr<const SwellingBall> ball_;
   double long_ = 0, flat_ = 0, depth_ = 0;
   std::array<double, 2> bend_{};
   std::array<double, kHarmonics> lump_{};
@@ -138,8 +141,13 @@ class Modeled : public BodyFamily {
 
 }  // namespace
 
-std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess) {
-  return std::make_unique<Modeled>(seed, guess);
+std::shared_ptr<const SwellingBall> swelling_ball(std::uint64_t seed) {
+  return std::make_shared<const SwellingBall>(seed);
+}
+
+std::unique_ptr<BodyFamily> modeled_bodies(std::uint64_t seed, int guess,
+                                           std::shared_ptr<const SwellingBall> ball) {
+  return std::make_unique<Modeled>(ball ? std::move(ball) : swelling_ball(seed), seed, guess);
 }
 
 }  // namespace terrazzo::shape_estimate

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <atomic>
 
 #include <cmath>
 #include <numbers>
@@ -53,6 +54,22 @@ TEST(ShapeEstimateFit, LeastSquaresFindsTheMinimum) {
   const auto best = least_squares(f, Eigen::VectorXd::Zero(5), o);
   EXPECT_LT(best.value, 1e-3);
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(best.x[k], 1, 0.05);
+}
+
+TEST(ShapeEstimateFit, LeastSquaresStartsWithKnownSlopes) {
+  std::atomic<int> calls = 0;
+  const auto line = [&](const Eigen::VectorXd& x) {
+    ++calls;
+    return Eigen::VectorXd(x - Eigen::VectorXd::LinSpaced(6, 1, 2));
+  };
+  LeastSquaresOptions o;
+  o.rounds = 1;
+  o.ridge = 0;
+  const auto best = least_squares(line, Eigen::VectorXd::Zero(6), o);
+  const int differenced = calls.exchange(0);
+  const auto again = least_squares(line, best.x, o, {}, best.slope);
+  EXPECT_LE(again.value, best.value);
+  EXPECT_LE(calls, differenced - 6);  // no difference for each of the six
 }
 
 TEST(ShapeEstimateFit, LeastSquaresGoesRoundWhatMakesNothing) {
