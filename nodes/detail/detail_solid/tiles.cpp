@@ -133,8 +133,9 @@ std::vector<Vec3f> phase_tile(const PartialPicture& exemplar, int size, std::uin
   settings.size = Vec3i::Constant(size);
   settings.color = solids::SolidColor::Linear;
   settings.levels = 2;  // the broad part is left out
-  settings.iterations = {12, 5};
+  settings.iterations = {8, 3};
   settings.seed = seed;
+  settings.measured = false;
   const solids::SolidResult r = solids::optimize_solid({e}, settings, work);
   std::vector<Vec3f> out(voxels);
   for (std::size_t i = 0; i < voxels; ++i) {

@@ -218,6 +218,7 @@ SolidResult optimize_solid(const std::vector<SolidExemplar>& exemplars, const So
   pyramids.clear();
   if (s.finish > 0 && s.method == SolidMethod::Coherence)
     finish_bands(working, s, out.field, work.part(0.85, 0.97));
+  if (!s.measured) return std::move(out);
   work.progress(0.97, "measures");
   measure_planes(working, s, out.field, out.measures, work.part(0.97, 1));
   return std::move(out);

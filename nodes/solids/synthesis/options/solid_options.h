@@ -44,6 +44,7 @@ struct SolidOptions {
   double window = 0.05;          // of the mean shift at the end of each level; it starts ten times as wide
   int finish = 2;                // rounds of matching the finest bands
   bool sources = false;          // record where each voxel comes from
+  bool measured = true;          // compare planes of the solid with those of the exemplars
   int blockwise_iterations = 2;  // per blockwise level; 0: as in `iterations`
   Vec3i blocks = Vec3i::Ones();  // number of blocks of a blockwise solid along each axis
   BlockwiseLimits blockwise_limits;
