@@ -47,11 +47,11 @@ export async function takePictures(repository) {
     servers.push(server);
     const [first] = await once(server.stdout, 'data');
     const page = await browser.newPage({ viewport: { width: 1360, height }, colorScheme });
-    page.setDefaultTimeout(600000);
+    page.setDefaultTimeout(60000);
     await page.goto(String(first).trim());
     const state = () => page.evaluate(async () => (await fetch('/api/state')).json());
-    const until = async holds => {
-      for (const end = Date.now() + 120000; Date.now() < end; await page.waitForTimeout(100)) {
+    const until = async (holds, minutes = 2) => {
+      for (const end = Date.now() + 60000 * minutes; Date.now() < end; await page.waitForTimeout(100)) {
         const s = await state();
         if (holds(s)) return s;
       }
@@ -59,7 +59,7 @@ export async function takePictures(repository) {
     };
     return {
       page, until,
-      idle: () => until(s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state))),
+      idle: minutes => until(s => !s.run.running && !Object.values(s.nodes).some(n => ['waiting', 'running'].includes(n.state)), minutes),
       card: name => page.locator(`.react-flow__node[data-id="${name}"]`),
       tab: name => page.click(`.tabs .ports button:text-is("${name}")`),
       shoot: async (name, what = page) => {
@@ -146,7 +146,8 @@ export async function takePictures(repository) {
     await page.click('button:text-is("Fit")'); // the corrections added two nodes
 
     // The price of another size, and then the size.
-    await page.click('.react-flow__pane', { position: { x: 400, y: 700 } });
+    await page.keyboard.press('Escape');
+    await page.click('.react-flow__pane', { position: { x: 20, y: 20 } });
     await page.fill('#field-size', '30');
     await page.waitForSelector('.card.priced');
     await shoot('price');
@@ -181,7 +182,7 @@ export async function takePictures(repository) {
   const material = async () => {
     const graph = join(repository, 'graphs/materials/terrazzo.yaml'), cache = join(repository, 'build/gallery/cache');
     const dark = await open([graph], cache, 'dark');
-    await dark.idle();
+    await dark.idle(20);
     await dark.card('segment').click();
     await dark.page.waitForSelector('.panzoom canvas');
     await dark.shoot('dark');

@@ -219,6 +219,7 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   for (const char* drawing : {"particle_colors", "block_colors", "quantity_colors", "plane_colors"})
     EXPECT_GT(r[drawing], 12) << drawing;
   EXPECT_EQ(r["turned"], true);
+  EXPECT_EQ(r["lit"], true);
   EXPECT_EQ(r["scale"], "0  1 ");
   EXPECT_NE(r["picked"].get<std::string>().find("size"), std::string::npos);
   EXPECT_NE(r["row"].get<std::string>().find("row 3 is selected"), std::string::npos);
@@ -294,6 +295,28 @@ TEST_F(StudioPage, ShowsVariantsAndKeepsOne) {
   EXPECT_EQ(r["after_reload"], 3);
   EXPECT_EQ(r["fractions"], "0.1, 0.14, 0.2, 0.28, 0.4");
   EXPECT_EQ(r["text_at_end"], "  seed: {type: int, default: 3}");
+}
+
+// What is wrong is said where one looks, with what can be done.
+TEST_F(StudioPage, SaysWhatIsWrong) {
+  write_image(folder / "found picture.png", Image(60, 40, 1, 1, Vec3f(0.1f, 0.4f, 0.2f)));
+  fs::create_directory(folder / "work");
+  const auto run =
+      test::run_command({"timeout", "200", "node", "errors.mjs", program, (folder / "work").string(), browser,
+                         (folder / "found picture.png").string()},
+                        here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_NE(r["trouble"].get<std::string>().find("there is no file"), std::string::npos) << r["trouble"];
+  EXPECT_EQ(r["card"].get<std::string>().rfind("There is no file", 0), 0u) << r["card"];
+  EXPECT_EQ(r["text"], "found picture.png");
+  EXPECT_EQ(r["beside"], true);
+  EXPECT_EQ(r["line"].get<std::string>().rfind("  sheet: {{", 0), 0u) << r["line"];
+  EXPECT_NE(r["yaml"], "");
+  EXPECT_NE(r["size"].get<std::string>().find("0,05"), std::string::npos) << r["size"];
+  EXPECT_EQ(r["can"], false);
 }
 
 // A material as one file, and from there to a graph to work on.
@@ -410,6 +433,7 @@ TEST_F(StudioPage, ShowsLegibleGraphs) {
     EXPECT_EQ(shown["over"], 0) << size;
     EXPECT_GE(shown["seen"], least) << size;
     EXPECT_EQ(shown["folded"], "5 checks, 9 outputs") << size;
+    for (const int height : shown["bars"]) EXPECT_LT(height, 44) << size;  // one row
   }
   EXPECT_EQ(r["checks"], nlohmann::json({"compare", "compare_sizes", "observer", "sections", "truth"}));
   EXPECT_EQ(r["keeps_part"], true);

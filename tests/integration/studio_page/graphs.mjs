@@ -69,10 +69,18 @@ await report(server, async () => {
           cut: names.filter(b => Math.round(b.offsetHeight / parseFloat(getComputedStyle(b).lineHeight)) > b.textContent.split('_').length || b.scrollHeight > b.offsetHeight + 4 || b.scrollWidth > b.offsetWidth + 2).map(b => b.textContent),
           over: [...document.querySelectorAll('.tools, .react-flow__minimap, .react-flow__controls')].filter(e => e.getBoundingClientRect().bottom > flow.top + 1).length,
           seen: [...document.querySelectorAll('.card')].filter(c => { const r = c.getBoundingClientRect(); return r.left >= flow.left && r.right <= flow.right && r.top >= flow.top && r.bottom <= flow.bottom; }).length,
+          bars: ['.top', '.tools'].map(bar => document.querySelector(bar).offsetHeight),
           folded: [...document.querySelectorAll('.card.folded b')].map(b => b.textContent).sort().join(', '),
         };
       });
-      if (name === '200 %') await check(name);
+      if (name === '200 %') {
+        await check(name);
+        await page.click('button:text-is("More") >> nth=0');
+        await page.waitForSelector('[role=menuitem]:has-text("New or open")');
+        await shot(page, 'menu_720');
+        await check('menu, 200 %');
+        await page.keyboard.press('Escape');
+      }
       await shot(page, `graph_${width}`);
       if (name === '1440×900') result.checks = await openChecks(page);
       await page.close();

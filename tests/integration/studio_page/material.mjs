@@ -27,6 +27,7 @@ await report(server, async () => {
   page.setDefaultTimeout(60000);
   const { card, state, until, idle, check } = watch(page);
   const shot = async name => process.env.SHOTS && page.screenshot({ path: join(process.env.SHOTS, `${name}.png`) });
+  const panel = async name => { await page.click('.top button[aria-label=Panels]'); await page.click(`[role=menuitem]:text-is("${name}")`); };
   await page.goto(address);
 
   // While nothing is selected, the viewer shows the material: first nothing, at the end the picture that is written as the preview.
@@ -73,7 +74,7 @@ await report(server, async () => {
   result.picture = picture.suggestedFilename();
 
   // The files: one that is written in another format, its download, and all.
-  await page.click('button:text-is("Files")');
+  await panel('Files');
   const row = name => page.locator('.files tbody tr', { hasText: name });
   await row('stone.csv').waitFor();
   result.listed = await page.locator('.files tbody tr').count();
@@ -89,7 +90,7 @@ await report(server, async () => {
   result.name = file.suggestedFilename();
   await check('files');
   await shot('files');
-  await page.click('button:text-is("Files")');
+  await panel('Files');
   await page.click('text=Run and write files');
   const notice = page.locator('.notices p', { hasText: '3 files in' });
   await notice.waitFor();

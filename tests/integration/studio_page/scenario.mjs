@@ -101,6 +101,7 @@ await report(server, async () => {
   await page.press('#field-size', 'Enter');
   await until('the packing runs', s => /size: .*default: 30/.test(s.document.text) && s.nodes.pack.state !== 'cached');
   s = await idle();
+  await page.waitForSelector('.inspector >> text=Edit these colors'); // also while nothing is selected
   result.ran = Object.keys(s.nodes).filter(n => s.nodes[n].state === 'computed').sort();
   result.failed = Object.keys(s.nodes).filter(n => ['failed', 'skipped', 'canceled'].includes(s.nodes[n].state));
 

@@ -59,6 +59,9 @@ await report(server, async () => {
   await page.keyboard.press('ArrowRight');
   const turned = (p, where, before) => sooner(async () => !before.equals(await p.locator(where).screenshot()), now => now);
   result.turned = await turned(page, '.stage3d', before);
+  const dark = await page.locator('.stage3d').screenshot();
+  await page.keyboard.press('Shift+ArrowRight');
+  result.lit = await turned(page, '.stage3d', dark);
   const place = await page.locator('.stage3d').boundingBox();
   for (const [dx, dy] of [[0, 0], [12, 9], [-14, 6], [20, -16]]) {
     await page.mouse.click(place.x + place.width / 2 + dx, place.y + place.height / 2 + dy);

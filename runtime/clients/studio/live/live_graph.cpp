@@ -53,8 +53,20 @@ LiveGraph::~LiveGraph() {
   running_.clear();  // waits, without the lock that the watchers need
 }
 
+// Also while a former evaluation still computes what later ones left as it was.
+bool LiveGraph::is_running() const {
+  return !then_.empty() || std::ranges::any_of(running_, [](const auto& r) {
+    return !r->watcher->left && !r->evaluation->done();
+  });
+}
+
+void LiveGraph::tell_run() {
+  told_running_ = is_running();
+  events_.add("run", json_text(run_json()));
+}
+
 json LiveGraph::run_json() const {
-  const bool running = !then_.empty() || (!running_.empty() && !running_.back()->evaluation->done());
+  const bool running = is_running();
   double expected = 0;
   std::size_t waiting = 0;
   for (const auto& [path, s] : states_) {
@@ -144,7 +156,7 @@ void LiveGraph::plan() {
     if (plan.nodes[i].step == Plan::Step::Cached && !graph->nodes[i].type->writes_files)
       cached.push_back(graph->nodes[i].path);
   if (!cached.empty()) begin(cached, false);
-  events_.add("run", json_text(run_json()));
+  tell_run();
 }
 
 void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first) {
@@ -169,7 +181,7 @@ void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first)
     begin(targets, false);
   }
   for (const auto& [path, s] : states_) tell_node(path);
-  events_.add("run", json_text(run_json()));
+  tell_run();
 }
 
 void LiveGraph::begin(const std::vector<std::string>& targets, bool continues) {
@@ -212,7 +224,7 @@ void LiveGraph::cancel(const std::string& node) {
 void LiveGraph::set_live(bool live) {
   const std::lock_guard lock(mutex_);
   live_ = live;
-  events_.add("run", json_text(run_json()));
+  tell_run();
   if (live_ && valid_) start(safe_targets(*session_.graph()), true);
 }
 
@@ -288,13 +300,14 @@ void LiveGraph::note_end() {
     begin(rest, true);
   else if (valid_)
     past_.add(document_.text(), states_);
-  events_.add("run", json_text(run_json()));
+  tell_run();
 }
 
 void LiveGraph::watch() {
   std::unique_lock lock(mutex_);
   for (int tick = 0; !wake_.wait_for(lock, std::chrono::milliseconds(50), [&] { return ended_; }); ++tick) {
     note_end();
+    if (told_running_ != is_running()) tell_run();
     if (tick % 20 != 0) continue;  // files: once a second
     if (document_.follow_arrangement()) tell_arrangement();
     if (document_.changed_on_disk() && !disk_changed_) try {

@@ -89,6 +89,8 @@ class LiveGraph {
   // The document inside of a node that is a subgraph, by its path ("asset", "asset/part"), like the document
   // of state(), without messages. Throws Error "unknown-node".
   nlohmann::json subgraph(const std::string& path);
+  // The file of the document, or of a subgraph by the path of its node. Throws Error "unknown-node".
+  std::filesystem::path file_of(const std::string& scope);
   // Names of files below the graph's folder, relative to it, and whether there are more: {files, more}.
   nlohmann::json files();
   // The document as it is now, to write a bundle of it.
@@ -124,6 +126,8 @@ class LiveGraph {
   static std::vector<std::string> safe_targets(const Graph&);
   nlohmann::json document_json() const;
   nlohmann::json run_json() const;
+  bool is_running() const;
+  void tell_run();
   void tell_node(const std::string& path);
   // If the current evaluation has ended: keeps the state, or starts what follows.
   void note_end();
@@ -152,6 +156,7 @@ class LiveGraph {
   std::string shown_;
   std::vector<std::string> then_;  // targets of the evaluation that follows the current one
   bool end_expected_ = false;      // the end of the current evaluation was not reported yet
+  bool told_running_ = false;      // what pages know
   bool ended_ = false;
   std::condition_variable wake_;
   std::shared_ptr<Variants> variants_;           // null: none were asked for

@@ -94,6 +94,11 @@ json LiveGraph::subgraph(const std::string& path) {
   return out;
 }
 
+fs::path LiveGraph::file_of(const std::string& scope) {
+  const std::lock_guard lock(mutex_);
+  return scope.empty() ? document_.file() : inside(scope).file();
+}
+
 json LiveGraph::files() {
   constexpr std::size_t kMost = 2000;
   constexpr int kDeep = 4;

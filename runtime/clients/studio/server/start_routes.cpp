@@ -159,6 +159,14 @@ void add_start_routes(LocalServer& server, LiveGraph& live, const Registry& regi
                           .path),
              discard, out);
       }));
+  // A file for the graph that is open, written beside it.
+  http.Post("/api/input", server.upload_handler([&start, &live](const In& in, const json&, Out& out) {
+    const fs::path folder = live.file_of(in.get_param_value("scope")).parent_path();
+    const fs::path named = folder / file_name(in.get_param_value("name"));
+    const fs::path file =
+        start.workspace.resolve(named.lexically_relative(start.workspace.folder()).string());
+    LocalServer::answer(out, {{"file", write_once(file, in.body).path.filename().string()}});
+  }));
   http.Post("/api/recommend", server.upload_handler([](const In& in, const json&, Out& out) {
     const auto found = recommend(in.body, file_name(in.get_param_value("name")));
     LocalServer::answer(out, {{"content", found.phases ? "phases" : "particles"}, {"why", found.why}});

@@ -112,6 +112,8 @@ TEST_F(LiveGraphTest, WhatAnEditDoesNotAffectGoesOn) {
   const json s = when([](const json& s) { return s["nodes"]["d"]["state"] == "computed"; });
   EXPECT_EQ(number(s, "d"), 2);
   EXPECT_TRUE(s["run"]["running"]);
+  live->evaluate({"d"});
+  EXPECT_TRUE(when([](const json& s) { return s["nodes"]["d"]["state"] == "cached"; })["run"]["running"]);
   live->cancel("");
   EXPECT_EQ(settled()["nodes"]["e"]["state"], "canceled");
 }

@@ -1,6 +1,6 @@
 import { WroteFiles } from './files';
 import { secondsText } from './format';
-import { MenuButton } from './menu';
+import { MenuButton, useNarrow } from './menu';
 import { progressText } from './progress';
 import { Group, SaveAs, Share } from './start';
 import { change, post, priceText, save, showStart, shownDoc, useStore } from './store';
@@ -16,6 +16,13 @@ export function Bar() {
   const errors = doc?.messages.filter(m => m.severity === 'error').length ?? 0;
   const price = useStore(s => s.price), progress = useProgress();
   const toggle = (d: 'yaml' | 'messages' | 'history' | 'files' | 'variants') => useStore.setState({ drawer: drawer === d ? 'none' : d, line: null });
+  const panels = [
+    { name: 'files', label: 'Files', title: 'The files that the graph writes' }, { name: 'variants', label: 'Variants', title: 'The result in view for several values of a parameter' },
+    { name: 'history', label: 'History', title: 'Earlier states' }, { name: 'messages', label: `Messages${doc?.messages.length ? ` (${doc.messages.length})` : ''}`, title: 'Errors and warnings' },
+    { name: 'yaml', label: 'YAML', title: 'The text of the file' },
+  ] as const;
+  const narrow = useNarrow(1180), small = useNarrow(800);
+  const steps = [{ label: 'New or open…', act: () => void showStart() }, { label: 'Undo', keys: 'Ctrl+Z', act: () => void change('/api/undo') }, { label: 'Redo', keys: 'Ctrl+Shift+Z', act: () => void change('/api/redo') }];
   const status = !online ? 'not connected'
     : price && !run.running ? `would run: ${priceText(price)}`
     : errors ? `${errors} ${errors === 1 ? 'error' : 'errors'} in the graph`
@@ -25,13 +32,14 @@ export function Bar() {
   return (
     <header className="top">
       <h1 title={doc?.file}>{doc?.name || 'Terrazzo Studio'}</h1>
-      <span className="file">{doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
-      <button onClick={() => void showStart()} title="Open a graph or a material, or make one from a photograph">New or open…</button>
+      <span className="file">{!small && doc?.file.split('/').pop()}{doc && !doc.saved && <em> edited</em>}</span>
+      {!small && <button onClick={() => void showStart()} title="Open a graph or a material, or make one from a photograph">New or open…</button>}
       <div className="group">
-        <button disabled={!shown?.can_undo} onClick={() => void change('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
-        <button disabled={!shown?.can_redo} onClick={() => void change('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button>
+        {!small && <><button disabled={!shown?.can_undo} onClick={() => void change('/api/undo')} title="Undo (Ctrl+Z)">Undo</button>
+          <button disabled={!shown?.can_redo} onClick={() => void change('/api/redo')} title="Redo (Ctrl+Shift+Z)">Redo</button></>}
         <button disabled={!doc || (doc.saved && !doc.read_only)} onClick={save} title="Save (Ctrl+S)">Save</button>
         <MenuButton label="More to do with the file" text="More" items={[
+          ...(small ? steps : []),
           { label: 'Save as…', act: () => useStore.setState({ savingAs: true, sharing: false }) },
           { label: 'Share…', act: () => useStore.setState({ sharing: true, savingAs: false, shared: '' }) },
         ]} />
@@ -43,13 +51,8 @@ export function Bar() {
         <input type="checkbox" checked={run.live} onChange={e => void post('/api/live', { live: e.target.checked })} />Live
       </label>
       <button className="primary" disabled={!doc?.valid} onClick={() => void post('/api/run')} title="Evaluate everything and write the output files">Run and write files</button>
-      <div className="group">
-        <button aria-pressed={drawer === 'files'} onClick={() => toggle('files')} title="The files that the graph writes">Files</button>
-        <button aria-pressed={drawer === 'variants'} onClick={() => toggle('variants')} title="The result in view for several values of a parameter">Variants</button>
-        <button aria-pressed={drawer === 'history'} onClick={() => toggle('history')}>History</button>
-        <button aria-pressed={drawer === 'messages'} onClick={() => toggle('messages')}>Messages{doc?.messages.length ? ` (${doc.messages.length})` : ''}</button>
-        <button aria-pressed={drawer === 'yaml'} onClick={() => toggle('yaml')}>YAML</button>
-      </div>
+      {narrow ? <MenuButton label="Panels" text={panels.find(p => p.name === drawer)?.label ?? 'Panels'} items={panels.map(p => ({ label: p.label, act: () => toggle(p.name) }))} />
+        : <div className="group">{panels.map(p => <button key={p.name} aria-pressed={drawer === p.name} title={p.title} onClick={() => toggle(p.name)}>{p.label}</button>)}</div>}
     </header>
   );
 }

@@ -5,7 +5,7 @@ import {
 } from 'three';
 
 import { rampShader } from './ramp';
-import { disposeMesh, type Content } from './stage';
+import { disposeMesh, sun, type Content } from './stage';
 
 export interface ParticleTable {
   count: number; box: Vector3;
@@ -187,6 +187,7 @@ uniform bool quantity; // grays are values
 uniform sampler3D voxels;
 uniform vec3 edges, texel, eye;
 uniform vec4 cut;      // what has dot(cut.xyz, p) + cut.w < 0 is hidden
+uniform vec3 sun;
 uniform float level, stride; // level 0: the block is opaque
 in vec3 at;
 out vec4 color;
@@ -216,7 +217,7 @@ void main() {
     vec3 n = vec3(read(p - vec3(texel.x, 0, 0)).a - read(p + vec3(texel.x, 0, 0)).a, read(p - vec3(0, texel.y, 0)).a - read(p + vec3(0, texel.y, 0)).a,
       read(p - vec3(0, 0, texel.z)).a - read(p + vec3(0, 0, texel.z)).a);
     float l = length(n);
-    light = l > 0.0 ? 0.42 + 0.62 * max(dot(n / l, normalize(vec3(-0.6, -1.0, 1.4))), 0.0) : 0.8;
+    light = l > 0.0 ? 0.42 + 0.62 * max(dot(n / l, sun), 0.0) : 0.8;
   }
   color = vec4((quantity ? ramp(c.r) : c.rgb) * light, 1.0);
 }`;
@@ -233,7 +234,7 @@ export function voxelBlock(data: ArrayBuffer, edges: Vector3, quantity = false):
     glslVersion: GLSL3, vertexShader: blockVertex, fragmentShader: blockFragment, side: BackSide,
     uniforms: {
       voxels: { value: texture }, edges: { value: edges }, texel: { value: texel }, eye: { value: new Vector3() }, cut: { value: new Vector4(0, 0, 0, 1) },
-      quantity: { value: quantity }, level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
+      sun: { value: sun }, quantity: { value: quantity }, level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
     },
   });
   const mesh = new Mesh(new BoxGeometry(edges.x, edges.y, edges.z).translate(edges.x / 2, edges.y / 2, edges.z / 2), material);

@@ -12,6 +12,7 @@ import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
 import { nextNode } from './next_node';
+import { MenuButton, useNarrow } from './menu';
 import { NodeMenu, rename } from './node_menu';
 import { Search, type SearchAt } from './search';
 import { bypass, declarationOf, edit, enter, isLocked, post, select, shownDoc, splitWire, useStore, type Edit } from './store';
@@ -418,6 +419,15 @@ export function Canvas() {
     };
   }, [fit, refit, arrangeAll, doc, nodes, scope, locked, duplicate, all, withParts]);
 
+  const slim = useNarrow(800);
+  const tools = [
+    ...(locked ? [] : [{ label: 'Note', keys: 'N', title: 'Write a note (N)', act: () => write(false) }, { label: 'Frame', title: 'A frame around the selected nodes', act: () => write(true) }]),
+    { label: 'Pictures', title: 'Show pictures in the nodes', pressed: thumbnails, act: () => {
+      localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
+      useStore.setState({ thumbnails: !thumbnails });
+    } },
+  ] as { label: string; keys?: string; title: string; pressed?: boolean; act: () => void }[];
+  const view = { label: 'Overview', title: 'Show where the view is in the graph', act: () => setOverview(!overview) };
   if (doc && countOf(doc) > kMostNodes)
     return <main className="canvas" aria-label="Graph"><p className="none">The graph has {countOf(doc).toLocaleString('en-US')} nodes, and this view shows up to {kMostNodes.toLocaleString('en-US')}. Edit it as text: press YAML.</p></main>;
   const steps = scope ? scope.split('/') : [], used = root?.nodes.find(n => n.name === scope)?.graph, users = used ? root!.nodes.filter(n => n.graph === used).length : 0;
@@ -433,14 +443,9 @@ export function Canvas() {
         {!locked && <button onClick={() => setSearch({ x: 140, y: 90 })} title="Add a node (A, or Tab over the canvas)">Add node</button>}
         <button onClick={() => { arrangeAll(false); refit(); }} title="Arrange all nodes (L)">Arrange</button>
         <button onClick={() => fit(150)} title="Show all nodes (F)">Fit</button>
-        {!locked && <button onClick={() => write(false)} title="Write a note (N)">Note</button>}
-        {!locked && <button onClick={() => write(true)} title="A frame around the selected nodes">Frame</button>}
-        <button aria-pressed={thumbnails} title="Show pictures in the nodes" onClick={() => {
-          localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
-          useStore.setState({ thumbnails: !thumbnails });
-        }}>Pictures</button>
+        {!slim && tools.map(t => <button key={t.label} aria-pressed={t.pressed} title={t.title} onClick={t.act}>{t.label}</button>)}
         {opened.length > 0 && <button ref={takeFocus} onClick={() => { select(null); unfold(opened, ''); }} title="Show the nodes that write files, and those that check the result, as one card each">Fold</button>}
-        <span className="right"><button aria-pressed={overview} title="Show where the view is in the graph" onClick={() => setOverview(!overview)}>Overview</button>
+        <span className="right">{slim ? <MenuButton label="More to do with the graph" text="More" items={[...tools, view]} /> : <button aria-pressed={overview} title={view.title} onClick={view.act}>{view.label}</button>}
         <button aria-label="Zoom out" title="Zoom out" onClick={() => { loosen(); void flow.zoomOut(); }}>−</button>
         <button aria-label="Zoom in" title="Zoom in" onClick={() => { loosen(); void flow.zoomIn(); }}>+</button></span>
       </div>

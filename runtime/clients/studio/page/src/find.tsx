@@ -52,7 +52,7 @@ const keys: [string, string][] = [
   ['Ctrl+F, Ctrl+K', 'find a node or a command'], ['Ctrl+S', 'save'], ['Ctrl+Z, Ctrl+Shift+Z', 'undo, redo'], ['A', 'add a node'], ['F2', 'rename the selected node'],
   ['Ctrl+B', 'bypass'], ['Ctrl+G', 'make a subgraph of the selected nodes'], ['Arrows, Shift+arrows', 'in the graph: go to the next node, move the selected ones'], ['Ctrl+D', 'duplicate'], ['Ctrl+C, Ctrl+V', 'copy, paste'], ['Delete', 'remove nodes or a wire'], ['Enter, Escape', 'open a subgraph, go back'],
   ['N', 'write a note'], ['F, L', 'show all nodes, arrange them'], ['B, M, S, D, O, I', 'with labels: pick the binder, merge, split, delete, outline, ignore'],
-  ['Arrows, +, −, 0', 'in a 3D view: turn, zoom, start again'], ['?', 'this list'],
+  ['Arrows, +, −, 0', 'in a 3D view: turn (with Shift: the light), zoom, start again'], ['?', 'this list'],
 ];
 
 function Keys({ close }: { close: () => void }) {

@@ -6,7 +6,7 @@ import { bytesText, numberText, secondsText } from './format';
 import { readerOf, useFoundColor } from './found';
 import { Inputs } from './inputs';
 import { MenuButton, openMenu } from './menu';
-import { FoundColors, isPalette, PaletteEditor } from './palette';
+import { colorizeOf, FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
 import { askPrice, bypass, declarationOf, edit, change, fullName, goToLine, isLocked, post, priceText, shownDoc, sourceOf, stateOf, useStore, valueOf } from './store';
 import type { Doc, DocNode, Parameter, Written } from './types';
@@ -178,13 +178,14 @@ function NodeInspector({ node }: { node: DocNode }) {
 }
 
 function GraphInspector() {
-  const doc = useStore(shownDoc)!, scope = useStore(s => s.scope), locked = useStore(isLocked);
+  const doc = useStore(shownDoc)!, scope = useStore(s => s.scope), locked = useStore(isLocked), colorize = useStore(colorizeOf);
   const files = useFiles(doc.parameters.some(p => p.kind === 'path'));
   return (
     <>
       <div className="title"><b>{doc.name || 'Graph'}</b></div>
       {doc.doc && <p className="doc">{doc.doc}</p>}
       <p className="doc">{scope ? (locked ? 'The file is outside the folder of the graph, and is not changed here.' : 'Changes are saved to the file at once. Undo takes them back.') : 'The viewer shows the material. Select a node to see its parameters and its result.'}</p>
+      {colorize && <FoundColors node={colorize} />}
       {doc.parameters.length > 0 && <h2>{scope ? 'Defaults of its parameters' : 'Parameters of the graph'} <PriceLine /></h2>}
       <fieldset className="fields" disabled={locked}>
         {doc.parameters.map(p => (

@@ -1,5 +1,11 @@
 // Menus of things to do, for mouse and keyboard.
-import { useEffect, useRef, useState, type KeyboardEvent } from 'react';
+import { useEffect, useRef, useState, useSyncExternalStore, type KeyboardEvent } from 'react';
+
+// Whether the window is at most so wide: what has no room in a bar is in a menu then.
+export function useNarrow(width: number): boolean {
+  const query = window.matchMedia(`(max-width: ${width}px)`);
+  return useSyncExternalStore(tell => { query.addEventListener('change', tell); return () => query.removeEventListener('change', tell); }, () => query.matches);
+}
 
 export interface MenuItem { label: string; keys?: string; act: () => void }
 export interface MenuAt { left?: number; right?: number; top?: number; bottom?: number }

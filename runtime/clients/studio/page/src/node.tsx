@@ -6,7 +6,7 @@ import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
 import { hasThumbnail, Peek, Thumbnail } from './peek';
 import { percentText } from './progress';
-import { declarationOf, elementsOf, enter, isBroken, select, shownDoc, stateOf, useStore, valueOf, worse } from './store';
+import { belongsTo, declarationOf, elementsOf, enter, isBroken, select, shownDoc, stateOf, useStore, valueOf, worse } from './store';
 import type { DocNode, NodeState, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;
@@ -48,6 +48,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
   const state = useStore(s => joined(node, s), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   const broken = useStore(s => [node.name, ...node.parts ?? []].some(n => isBroken(n, s)));
   const corrections = useStore(s => countOf(node, s));
+  const why = useStore(s => (word => word ? word[0].toUpperCase() + word.slice(1) : '')(s.doc?.messages.find(m => m.severity === 'error' && belongsTo(m.node, node.name))?.message ?? state?.error?.message ?? ''));
   const connecting = useConnection(c => c.inProgress);
   const priced = useStore(s => s.price?.nodes.some(n => `${n.path}/`.startsWith(`${node.name}/`)));
   const small = useStore(s => {
@@ -73,7 +74,7 @@ export const NodeCard = memo(function NodeCard({ data: { node }, selected }: Nod
         <time>{time}</time>
         {corrections > 0 && <button className="link fixes nodrag nopan" title="Show them and their result" onClick={e => { e.stopPropagation(); select(node.parts![0]); }}>{corrections} {corrections === 1 ? 'correction' : 'corrections'}</button>}
       </header>
-      <div className="kind">{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}{node.bypass && ', bypassed'}</div>
+      <div className={`kind${why ? ' bad' : ''}`} title={why}>{why || <>{node.graph && <button className="link nodrag" title="Show what is inside (double click)" onClick={() => void enter(node.name)}>open</button>}{node.graph ? node.graph.split('/').pop() : node.type}{elements > 0 && ` × ${elements}`}{node.bypass && ', bypassed'}</>}</div>
       {small && <Thumbnail value={small} most={320} />}
       <div className={`bar${word === 'running' && state!.progress >= 0.995 ? ' endless' : ''}`}><div style={{ width: word === 'running' ? `${100 * (state?.progress ?? 0)}%` : 0 }} /></div>
       <div className="ports">

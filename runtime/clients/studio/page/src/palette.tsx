@@ -4,7 +4,7 @@ import { colorsIn, isHex } from './color';
 import { DropperButton } from './dropper';
 import { useSender } from './fields';
 import { makePalette, profilesOf, useFoundColors } from './found';
-import { edit, isLocked, useStore, type Edit } from './store';
+import { edit, isLocked, shownDoc, useStore, type Edit } from './store';
 import type { DocNode, NodeType, Parameter } from './types';
 
 export const isPalette = (items: string[]) => items.length > 0 && items.every(isHex);
@@ -82,16 +82,23 @@ export function PaletteEditor({ node, declaration, spec, items }: { node: DocNod
   );
 }
 
+// The node whose colors a person means who asks for those of the material: the only one of its kind.
+export const colorizeOf = (s: ReturnType<typeof useStore.getState>): DocNode | undefined => {
+  const all = shownDoc(s)?.nodes.filter(n => n.type === 'Colorize') ?? [];
+  return all.length === 1 ? all[0] : undefined;
+};
+
 // What was found where no colors are given.
 export function FoundColors({ node }: { node: DocNode }) {
   const profiles = useStore(s => profilesOf(node, s), (a, b) => a?.hash === b?.hash), found = useFoundColors(profiles), locked = useStore(isLocked);
+  const colorize = useStore(s => (node.type === 'Colorize' ? node : colorizeOf(s))), taken = useStore(s => !!colorize && !!profilesOf(colorize, s));
   if (!profiles || !found?.colors.length) return null;
   return (
     <div className="palette found">
       <h2>Colors found in the photograph</h2>
       <ul>{found.colors.map(c => <li key={c.color} title={`${c.color}, ${percent(c.share)} of the particles' area`}><i style={{ background: c.color }} /><code>{c.color}</code><span>{percent(c.share)}</span></li>)}
         <li title={`${found.binder}, the binder`}><i style={{ background: found.binder }} /><code>{found.binder}</code><span>binder</span></li></ul>
-      {node.type === 'Colorize' && !locked && <p className="row"><button className="primary" title="Puts a Palette with these colors in place of the photograph's" onClick={() => void makePalette(node, found)}>Edit these colors</button></p>}
+      {colorize && taken && !locked && <p className="row"><button className="primary" title="Puts a Palette with these colors in place of the photograph's" onClick={() => void makePalette(colorize, found)}>Edit these colors</button></p>}
     </div>
   );
 }

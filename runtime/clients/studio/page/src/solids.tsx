@@ -90,7 +90,7 @@ export function StageView({ solid, before, plane, onPlane, onPick, label, childr
   const key = (e: KeyboardEvent) => {
     const s = stage.current, turns: Record<string, [number, number]> = { ArrowLeft: [-10, 0], ArrowRight: [10, 0], ArrowUp: [0, 10], ArrowDown: [0, -10] };
     if (!s || e.target !== e.currentTarget) return;
-    if (turns[e.key]) s.turn(...turns[e.key]);
+    if (turns[e.key]) e.shiftKey ? s.turnLight(...turns[e.key]) : s.turn(...turns[e.key]);
     else if (e.key === '+' || e.key === '=') s.zoom(1 / 1.2);
     else if (e.key === '-') s.zoom(1.2);
     else if (e.key === '0' && solid) s.lookAt(solid.content.box, new Vector3(-0.55, -1, 0.62));
@@ -98,7 +98,7 @@ export function StageView({ solid, before, plane, onPlane, onPick, label, childr
     e.preventDefault(), e.stopPropagation();
   };
   return (
-    <div className="stage3d" ref={host} tabIndex={0} role="group" aria-label={`${label}. Drag to turn, wheel to zoom, right button to pan; with keys: arrows, plus, minus, 0`} onKeyDown={key}
+    <div className="stage3d" ref={host} tabIndex={0} role="group" aria-label={`${label}. Drag to turn, wheel to zoom, right button to pan, Shift to turn the light; with keys: arrows, plus, minus, 0`} onKeyDown={key}
       onPointerDownCapture={e => { down.current = [e.clientX, e.clientY]; }}
       onPointerUp={e => {
         const from = down.current;

@@ -1,7 +1,7 @@
 // A scene in three dimensions that is drawn when something changes. z is up, lengths are mm.
 import {
   AmbientLight, Box3, Box3Helper, DirectionalLight, Group, Line, LineBasicMaterial, LineLoop, BufferGeometry, Mesh, MeshBasicMaterial, type Object3D, PerspectiveCamera, Plane,
-  Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer, type Material,
+  Raycaster, Scene, SphereGeometry, Spherical, Vector2, Vector3, WebGLRenderer, type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
@@ -15,6 +15,7 @@ export interface Content {
 
 // One camera for all scenes, so that what is compared is seen from the same place.
 const view = { position: new Vector3(), target: new Vector3(), size: 0 };
+export const sun = new Vector3(-0.6, -1, 1.4).normalize(); // where the light comes from, in all stages
 
 export function hasWebGL(): boolean {
   try {
@@ -34,6 +35,7 @@ export class Stage {
   private controls: OrbitControls;
   private plane: Plane | null = null;
   private facing = 0; // 1 if the camera is on the plane's positive side, else −1; 0: not known
+  private lights: DirectionalLight[] = [];
   private marks = new Group();
   private share = 0.5;
   private asked = false;
@@ -51,8 +53,8 @@ export class Stage {
     host.prepend(this.canvas);
     for (const scene of this.scenes) {
       const light = new DirectionalLight(0xffffff, 2.2);
-      light.position.set(-0.6, -1, 1.4);
       scene.add(new AmbientLight(0xffffff, 1.1), light);
+      this.lights.push(light);
     }
     this.scenes[0].add(this.marks);
     this.camera.up.set(0, 0, 1);
@@ -164,9 +166,29 @@ export class Stage {
     return new Vector2(r.left + ((q.x + 1) / 2) * r.width, r.top + ((1 - q.y) / 2) * r.height);
   }
 
+  // Moves the light around the solid, in degrees.
+  turnLight(right: number, up: number) {
+    const at = new Spherical().setFromVector3(new Vector3(sun.x, sun.z, -sun.y));
+    at.theta += (right * Math.PI) / 180, at.phi = Math.min(Math.max(at.phi - (up * Math.PI) / 180, 0.05), 1.5);
+    const v = new Vector3().setFromSpherical(at);
+    sun.set(v.x, -v.z, v.y);
+    this.draw();
+  }
+
+  // With Shift, dragging turns the light, if there is no plane to be moved.
+  private lit(e: PointerEvent) {
+    e.stopImmediatePropagation(), e.preventDefault();
+    let [x, y] = [e.clientX, e.clientY];
+    const move = (m: PointerEvent) => { this.turnLight(0.5 * (m.clientX - x), 0.5 * (y - m.clientY)), [x, y] = [m.clientX, m.clientY]; };
+    const up = () => { window.removeEventListener('pointermove', move), window.removeEventListener('pointerup', up); };
+    window.addEventListener('pointermove', move);
+    window.addEventListener('pointerup', up);
+  }
+
   // The plane is grabbed at its handle, or with Shift anywhere.
   private grab = (e: PointerEvent) => {
     const handle = this.handle();
+    if (e.shiftKey && !e.button && !this.onPlane) return this.lit(e);
     if (!handle || !this.onPlane || e.button) return;
     const [a, b] = handle.map(p => this.screen(p)), along = b.clone().sub(a);
     const at = new Vector2(e.clientX, e.clientY), length = Math.max(along.length(), 8);
@@ -241,6 +263,7 @@ export class Stage {
     r.setScissorTest(false);
     r.autoClear = false;
     r.clear();
+    for (const light of this.lights) light.position.copy(sun);
     if (!this.contents[1]) return r.render(this.scenes[0], this.camera);
     const x = Math.round(w * this.share);
     r.setScissorTest(true);

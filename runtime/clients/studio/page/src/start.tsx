@@ -43,7 +43,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
       <div>
         <h2>{picture.name}{size && `, ${size.w} × ${size.h} pixels`}</h2>
         <label>{'Size of a pixel '}<input value={pixel} inputMode="decimal" aria-describedby="extent" onChange={e => setPixel(e.target.value)} autoFocus />{' mm'}</label>
-        <p id="extent" className="doc">{size && mm > 0 ? `The photograph shows ${(size.w * mm).toPrecision(3)} × ${(size.h * mm).toPrecision(3)} mm of the material.` : 'The edge of a pixel on the material’s surface.'}</p>
+        <p id="extent" className={mm >= 1e-6 && mm <= 1e6 ? 'doc' : 'bad'} role="status">{!(mm >= 1e-6 && mm <= 1e6) ? `“${pixel}” is not a size: enter a number of mm above 0, such as 0.05.` : size ? `The photograph shows ${(size.w * mm).toPrecision(3)} × ${(size.h * mm).toPrecision(3)} mm of the material.` : 'The edge of a pixel on the material’s surface.'}</p>
         <fieldset>
           <legend>It shows</legend>
           {CONTENTS.map(([name, label]) => <label key={name}><input type="radio" name="content" checked={content === name} onChange={() => setChoice(name)} />{' ' + label}</label>)}
@@ -51,7 +51,7 @@ function NewMaterial({ picture, folder }: { picture: File; folder: string }) {
         <p className="doc" aria-live="polite">{!advice ? 'Looking at the picture…' : advice.content ? `Recommended: ${advice.content}. ${advice.why}` : advice.why}</p>
         <label>Folder {folder}/<input value={place} spellCheck={false} onChange={e => setPlace(e.target.value)} /></label>
         <p className="doc">The picture is copied there, beside the new graph. Existing files are not replaced.</p>
-        <p className="row"><button className="primary" disabled={busy || !content || !(mm > 0)}>{busy ? 'Creating…' : 'Create the material'}</button>
+        <p className="row"><button className="primary" disabled={busy || !content || !(mm >= 1e-6 && mm <= 1e6)}>{busy ? 'Creating…' : 'Create the material'}</button>
           {another}</p>
       </div>
     </form>

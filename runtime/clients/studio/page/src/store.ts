@@ -4,7 +4,7 @@ import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
 import { learn } from './progress';
-import type { Arrangement, Doc, DocNode, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
+import type { Arrangement, Doc, DocNode, Message, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
 
 export interface Target { node: string; port: string }
 export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
@@ -172,6 +172,9 @@ export async function connect() {
   const on = <T>(type: string, use: (data: T) => void) => uses.set(type, use as (data: never) => void);
   on<State>('state', s => {
     pending = {};
+    const first = !useStore.getState().doc;
+    showErrors(s.document, useStore.getState().doc);
+    if (first && failureOf(s)) openDrawer('messages');
     set({ doc: s.document, nodes: Object.fromEntries(Object.entries(s.nodes).map(([path, n]) => [path, started(n)])), run: s.run, variants: s.variants, online: true, ...rootArrangement(s.document.arrangement) });
     void enter(useStore.getState().scope);
   });
@@ -179,6 +182,7 @@ export async function connect() {
     set(s => ({ doc: s.doc && { ...s.doc, ...rest, arrangement }, ...rootArrangement(arrangement) }));
   });
   on<Doc>('document', doc => {
+    showErrors(doc, useStore.getState().doc);
     set(s => (s.doc && doc.file !== s.doc.file && doc.text !== s.doc.text ? {
       doc, nodes: {}, selected: null, pinned: null, port: null, tool: null, starting: false, savingAs: false, line: null, scope: '', inside: null, reference: null, price: null, arrangement: doc.arrangement,
     } : {
@@ -189,12 +193,27 @@ export async function connect() {
   });
   on<Run>('run', run => set({ run }));
   on<Variants | null>('variants', variants => set({ variants }));
-  on<NodeState & { path: string }>('node', n => { learn(n), later(n.path, started(n)); });
+  on<NodeState & { path: string }>('node', n => {
+    learn(n), later(n.path, started(n));
+    if (n.state === 'failed' && useStore.getState().nodes[n.path]?.state !== 'failed') openDrawer('messages');
+  });
   on<{ path: string; progress: number; note: string }>('progress', p => {
     const before = pending[p.path] ?? useStore.getState().nodes[p.path];
     if (before) later(p.path, { ...before, since: before.since ?? performance.now(), state: 'running', progress: p.progress, note: p.note });
   });
   listen(uses);
+}
+
+// What a person opened stays.
+function openDrawer(drawer: 'messages' | 'yaml', line: { number: number } | null = null) {
+  if (useStore.getState().drawer === 'none') set({ drawer, line });
+}
+// Text that is no YAML opens the text at the place, and other errors the messages, when they come.
+function showErrors(doc: Doc, before: Doc | null) {
+  if (doc.valid || (before?.file === doc.file && !before.valid)) return;
+  const first = doc.messages.find(m => m.severity === 'error');
+  if (first?.code === 'yaml' && first.file === doc.file) openDrawer('yaml', { number: first.line });
+  else if (first) openDrawer('messages');
 }
 
 // Follows the server: through a worker that all pages share, or alone where browsers have no such workers.
@@ -357,7 +376,21 @@ export const worse = (a: NodeState, b: NodeState) => (rank.indexOf(b.state) > ra
 const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
 
 // Whether a node, or one inside it, has an error in the graph.
-export const isBroken = (name: string, s: Pick<Store, 'doc'>) => !!s.doc?.messages.some(m => m.severity === 'error' && `${bare(m.node)}/`.startsWith(name + '/'));
+export const belongsTo = (path: string, name: string) => `${bare(path)}/`.startsWith(name + '/');
+export const isBroken = (name: string, s: Pick<Store, 'doc'>) => !!s.doc?.messages.some(m => m.severity === 'error' && belongsTo(m.node, name));
+// The error of a node that failed, with the node's path.
+export const failureOf = (s: Pick<Store, 'nodes'>): Message | undefined => {
+  const failed = Object.entries(s.nodes).find(([, n]) => n.error);
+  return failed && { ...failed[1].error!, node: failed[0] };
+};
+// Writes a file beside the graph. Returns its name there, or "".
+export async function uploadInput(file: File): Promise<string> {
+  const answer = await fetch(`/api/input?${new URLSearchParams({ name: file.name, scope: useStore.getState().scope })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: file }).catch(() => null);
+  const said = await answer?.json();
+  if (answer?.ok) return said.file as string;
+  set({ trouble: said ?? { message: 'the server does not answer', hint: '', code: 'offline' } });
+  return '';
+}
 
 export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
   new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;

@@ -1,4 +1,4 @@
-import { useEffect, useState } from 'react';
+import { useEffect, useRef, useState } from 'react';
 
 import { followed, galleryPicture, imagesOf, mainNode } from './follow';
 import { LabelsView } from './labels';
@@ -6,7 +6,7 @@ import { LinkedView } from './linked';
 import { useNearest, useNode } from './load';
 import { PlaneBar, PlaneView } from './plane';
 import { percentText } from './progress';
-import { declarationOf, isLocked, post, previewOf, shownDoc, stateOf, useStore, valueOf, type Target } from './store';
+import { belongsTo, declarationOf, edit, failureOf, goToLine, isLocked, post, previewOf, shownDoc, sourceOf, stateOf, uploadInput, useStore, valueOf, type Target } from './store';
 import { View } from './viewers';
 import { Waiting } from './waiting';
 import type { DocNode, OutputValue } from './types';
@@ -19,10 +19,10 @@ export const extrasOf = (node: DocNode, outputs: { types: string[] }[]): string[
 
 // Nothing of the material is there yet.
 function Empty() {
-  const picture = useStore(s => galleryPicture(s.doc, s.start)), valid = useStore(s => s.doc?.valid), live = useStore(s => s.run.live);
+  const picture = useStore(s => galleryPicture(s.doc, s.start)), valid = useStore(s => s.doc?.valid), live = useStore(s => s.run.live), failed = useStore(s => !!failureOf(s));
   if (picture) return <Gallery picture={picture} />;
-  if (!valid) return <p className="none">The graph has errors. <button className="link" onClick={() => useStore.setState({ drawer: 'messages' })}>Show them</button></p>;
-  return <p className="none">{live ? 'The first picture of the material comes in seconds.' : 'Nothing has been computed yet. '}
+  if (!valid) return <p className="none">The graph has errors.</p>;
+  return <p className="none">{failed ? 'There is no picture yet.' : live ? 'The first picture of the material comes in seconds.' : 'Nothing has been computed yet. '}
     {!live && <button className="primary" onClick={() => void post('/api/live', { live: true })}>Compute the material</button>}</p>;
 }
 
@@ -38,6 +38,38 @@ function Stage({ node, value, kind, extra }: { node: DocNode | undefined; value:
   if ((value?.type ?? kind) === 'Labels') return <LabelsView value={value ?? labels?.value} node={node} />;
   if (value) return <View key={value.type} value={value} node={node} />;
   return <p className="none">{!kind ? 'This node writes files and has no outputs.' : 'There is no result yet.'}</p>;
+}
+
+// What is wrong with the node in view, or with the graph, and what to do about it.
+function Trouble({ node }: { node: DocNode | undefined }) {
+  const message = useStore(s => {
+    const errors = s.doc?.messages.filter(m => m.severity === 'error') ?? [], own = node && errors.find(m => belongsTo(m.node, node.name));
+    return own ?? (node && stateOf(node, s.nodes)?.error) ?? (s.selected || s.pinned ? undefined : errors[0] ?? failureOf(s));
+  }, (a, b) => a?.message === b?.message && a?.node === b?.node);
+  const types = useStore(s => s.types), file = useStore(s => shownDoc(s)?.file), locked = useStore(isLocked);
+  if (!message) return null;
+  const at = shownNode(message.node || node?.name || ''), path = at && (message.parameter || types.get(at.type)?.parameters.find(p => p.kind === 'path')?.name);
+  return (
+    <div className="trouble" role="alert">
+      <p><b>{(message.node || node?.name || '').split('/').pop()}</b> {message.message}{message.hint && <em> {message.hint}</em>}</p>
+      <p>{!locked && message.code === 'no-file' && path && <ChooseFile node={at} parameter={path} />}
+        {message.line > 0 && message.file === file && <button className="link" onClick={() => goToLine(message.line)}>line {message.line}</button>}
+        <button className="link" onClick={() => useStore.setState({ drawer: 'messages' })}>Messages</button></p>
+    </div>
+  );
+}
+
+const shownNode = (path: string) => shownDoc(useStore.getState())?.nodes.find(n => n.name === path);
+
+// Uploads a file beside the graph, and reads that instead of one that is missing.
+function ChooseFile({ node, parameter }: { node: DocNode; parameter: string }) {
+  const input = useRef<HTMLInputElement>(null);
+  const take = async (chosen: File) => {
+    const name = await uploadInput(chosen), from = sourceOf(node.params[parameter]?.value ?? '', useStore.getState());
+    if (name) await (from ? edit(from.edits(name), false, {}, from.scope) : edit([{ op: 'set', node: node.name, name: parameter, value: name }]));
+  };
+  return <><button className="primary" onClick={() => input.current?.click()}>Choose a file</button>
+    <input ref={input} type="file" className="sr" tabIndex={-1} aria-label="File for the graph" onChange={e => { if (e.target.files?.[0]) void take(e.target.files[0]); }} /></>;
 }
 
 const none: Target[] = [];
@@ -94,6 +126,7 @@ export function Viewer() {
           onClick={() => useStore.setState({ pinned: pinned ? null : { node: node.name, port: shown } })}>{pinned ? 'Pinned' : 'Pin'}</button>}
         <button aria-pressed={wide} title="Give the result most of the window" onClick={() => useStore.setState({ wide: !wide })}>Wide</button>
       </div>
+      <Trouble node={node} />
       <div className={`stage${old ? ' stale' : ''}`}>
         {gallery ? <Gallery picture={gallery} /> : <Stage node={node} value={value} kind={outputs.find(p => p.name === shown)?.types[0]} extra={extra} />}
         {node?.type === 'Section' && !locked && !extra && <PlaneBar key={node.name} node={node} />}
