@@ -169,6 +169,9 @@ void LiveGraph::start(const std::vector<std::string>& targets, bool shown_first)
   apply_plan(states_, *graph, plan, true, shown_first);  // only a request leaves the graph as it was
   seconds_ = 0;
   then_.clear();
+  asked_ = targets;
+  if (targets.empty())
+    for (const int i : graph->sinks()) asked_.push_back(graph->nodes[i].path);
   const int shown = shown_first ? graph->find(shown_) : -1;
   const auto runs = [&](int i) {
     const auto step = plan.nodes[i].step;
@@ -202,14 +205,20 @@ void LiveGraph::show(const std::string& node) {
 void LiveGraph::evaluate(const std::vector<std::string>& targets) {
   const std::lock_guard lock(mutex_);
   if (!valid_) throw Error("invalid-graph", "the graph has errors", "correct them first");
+  // What was asked for before, such as a picture while a file is written, follows.
+  const auto before = is_running() ? asked_ : std::vector<std::string>();
   start(targets);
+  if (targets.empty() || before.empty()) return;
+  then_ = before;
+  asked_.insert(asked_.end(), before.begin(), before.end());
+  tell_run();
 }
 
 void LiveGraph::cancel(const std::string& node) {
   const std::lock_guard lock(mutex_);
   if (node.empty() && !std::exchange(then_, {}).empty())
     for (auto& [path, s] : states_)
-      if (s.state == "waiting") {
+      if (s.state == "waiting" || s.state == "running") {
         s.state = "canceled";
         tell_node(path);
       }

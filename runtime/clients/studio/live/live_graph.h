@@ -154,9 +154,10 @@ class LiveGraph {
   std::vector<std::unique_ptr<Running>> running_;           // the last one is current
   std::map<std::string, std::optional<FileStamp>> inputs_;  // files that the graph reads
   std::string shown_;
-  std::vector<std::string> then_;  // targets of the evaluation that follows the current one
-  bool end_expected_ = false;      // the end of the current evaluation was not reported yet
-  bool told_running_ = false;      // what pages know
+  std::vector<std::string> then_;   // targets of the evaluation that follows the current one
+  std::vector<std::string> asked_;  // targets of the last request, with those that it did not wait for
+  bool end_expected_ = false;       // the end of the current evaluation was not reported yet
+  bool told_running_ = false;       // what pages know
   bool ended_ = false;
   std::condition_variable wake_;
   std::shared_ptr<Variants> variants_;           // null: none were asked for
