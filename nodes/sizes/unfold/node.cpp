@@ -231,7 +231,7 @@ namespace terrazzo {
 
 NodeType unfold_node() {
   using namespace unfold;
-  return NodeType("Unfold", 14)
+  return NodeType("Unfold", 15)
       .doc_(
           "Estimates how many particles of each size a volume holds from the sizes of the profiles in its "
           "sections, or of the silhouettes that a surface shows. Each color class is unfolded separately; "

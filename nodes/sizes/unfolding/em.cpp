@@ -40,7 +40,7 @@ SmoothPoissonProblem problem_of(const EmModel& m, const Observation& q, const st
 
 }  // namespace
 
-EmModel make_em_model(const KMatrix& k, const UnfoldModel& model, const Hiding* surface) {
+EmModel make_em_model(const KMatrix& k, const UnfoldModel& model, Bed bed) {
   EmModel m;
   const int classes = model.visible();
   const int parts = std::clamp(40 / classes, 2, 20), bins = classes * parts;
@@ -52,8 +52,8 @@ EmModel make_em_model(const KMatrix& k, const UnfoldModel& model, const Hiding* 
   m.sizes.push_back(hi);
   const int rows = std::clamp(3 * classes, 60, 240);
   for (int i = 0; i <= rows; ++i) m.profiles.push_back(i == rows ? hi : lo + (hi - lo) * i / rows);
-  m.fine = model_matrix(k, m.profiles, m.sizes, false, surface);
-  m.coarse = model_matrix(k, model.profile_edges, m.sizes, false, surface);
+  m.fine = model_matrix(k, m.profiles, m.sizes, false, bed);
+  m.coarse = model_matrix(k, model.profile_edges, m.sizes, false, bed);
   m.reclass = Eigen::MatrixXd::Zero(classes, bins);
   m.width.resize(bins);
   m.place.resize(bins);

@@ -25,7 +25,7 @@ struct EmModel {
   Eigen::VectorXd volume;  // mean volume of a particle whose size is uniform in the bin's class, mm³
 };
 
-EmModel make_em_model(const KMatrix&, const UnfoldModel&, const Hiding* surface = nullptr);
+EmModel make_em_model(const KMatrix&, const UnfoldModel&, Bed = Bed::None);
 
 struct EmFit {
   std::vector<SmoothPoissonFit> fits;

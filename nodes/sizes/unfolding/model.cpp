@@ -88,8 +88,8 @@ std::vector<double> shape_shares(const KMatrix& k, double size) {
 }
 
 Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profile_edges,
-                             const std::vector<double>& size_edges, bool upper_edge, const Hiding* surface) {
-  if (surface) return relative_height(k) * surface->matrix(profile_edges, size_edges);
+                             const std::vector<double>& size_edges, bool upper_edge, Bed bed) {
+  if (bed != Bed::None) return Hiding(bed, relative_height(k)).matrix(profile_edges, size_edges);
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(profile_edges.size() - 1, size_edges.size() - 1);
   std::vector<std::vector<double>> shares;
   for (Eigen::Index j = 0; j < m.cols(); ++j)
@@ -105,7 +105,7 @@ Eigen::MatrixXd model_matrix(const KMatrix& k, const std::vector<double>& profil
 }
 
 UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double smallest_visible,
-                       const std::vector<double>& profiles, const Hiding* surface) {
+                       const std::vector<double>& profiles, Bed bed) {
   check(k);
   UnfoldModel m;
   m.equal = classes;
@@ -128,7 +128,7 @@ UnfoldModel make_model(const KMatrix& k, int classes, double d_max, double small
   m.edges.insert(m.edges.begin() + m.first + 1, inner.begin(), inner.end());
   const std::vector<double> sizes(m.edges.begin() + m.first, m.edges.end());
   m.profile_edges = sizes;
-  m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge, surface);
+  m.matrix = model_matrix(k, m.profile_edges, sizes, m.upper_edge, bed);
   for (int j = 0; j < m.visible(); ++j)
     if (!(m.matrix.col(j).sum() > 0))
       throw Error("bad-kmatrix",

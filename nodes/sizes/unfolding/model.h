@@ -32,16 +32,15 @@ struct UnfoldModel {
 // average: sizes in a class count as uniform, and the smallest particles are the most frequent ones. Throws
 // Error "bad-kmatrix" if the K matrix is incomplete, "nothing-visible" if smallest_visible ≥ d_max.
 UnfoldModel make_model(const KMatrix&, int classes, double d_max, double smallest_visible,
-                       const std::vector<double>& profiles = {}, const Hiding* surface = nullptr);
+                       const std::vector<double>& profiles = {}, Bed = Bed::None);
 
 // The share of each shape among particles of this size, in mm.
 std::vector<double> shape_shares(const KMatrix&, double size);
 
-// The model matrix for other classes: a row per profile class, a column per size class. Of a `surface`,
-// only the mean height of the shapes matters: one layer of stones is as deep as they are high.
+// The model matrix for other classes: a row per profile class, a column per size class. Of a surface,
+// only the mean height of the shapes matters (hiding.h).
 Eigen::MatrixXd model_matrix(const KMatrix&, const std::vector<double>& profile_edges,
-                             const std::vector<double>& size_edges, bool upper_edge,
-                             const Hiding* surface = nullptr);
+                             const std::vector<double>& size_edges, bool upper_edge, Bed = Bed::None);
 
 // Weighted counts of sizes in the classes between `edges`; sizes outside are ignored.
 struct Counts {

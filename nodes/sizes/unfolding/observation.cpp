@@ -85,11 +85,8 @@ Observations observe(const Profiles& profiles, Border border, double smallest_vi
                           : "lower smallest_visible");
 
   const bool surface = profiles.view == View::Surface, loose = shows_loose_stones(profiles);
-  const double measured = !surface ? profiles.area_fraction : loose ? kLooseFraction : 0;
-  const double known_fraction = area_fraction > 0 ? area_fraction : measured;
+  const double known_fraction = area_fraction > 0 || surface ? area_fraction : profiles.area_fraction;
   o.area = profiles.observed_area;
-  // Between loose stones lie stones in the shadow that could not be outlined, not a binder.
-  if (loose && profiles.area_fraction > 0) o.area *= profiles.area_fraction;
   const double covered = !surface ? known_fraction : loose ? 1 : profiles.area_fraction;
   o.relative = !(o.area > 0) && !(covered > 0);
   if (!(o.area > 0)) o.area = all / (o.relative ? 1 : covered);

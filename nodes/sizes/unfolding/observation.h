@@ -23,12 +23,12 @@ struct Observation {           // one color class
   std::vector<double> weight;  // number of profiles that it represents, > 0
   std::vector<int> section;    // index of its section
   std::vector<std::size_t> profile;  // its index in Profiles
-  double area_fraction = 0;          // share of the volume: of the section's area, cut profiles included, or
-  // of loose stones; 0: unknown, as of stones in soil
+  double area_fraction = 0;          // share of the section's area, cut profiles included; 0: unknown, as of
+  // a surface
 };
 
 struct Observations {
-  double area = 0;        // mm² observed; of loose stones, only where stones were found
+  double area = 0;        // mm² observed
   bool relative = false;  // the area is unknown and set arbitrarily: only ratios of densities are meaningful
   int sections = 1;
   std::vector<Observation> classes;

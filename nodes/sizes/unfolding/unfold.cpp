@@ -22,6 +22,10 @@ constexpr double kOverfull = 0.02;
 // shows none one time in twenty. Below: fewer cannot be seen.
 constexpr double kAbove = 3, kBelow = 1.5;
 
+// Of loose stones, Segment recognizes the smallest parts by chance, and almost all from this many times as
+// large (results, Views).
+constexpr double kRecognized = 1.7;
+
 double smallest_seen(const Observations& o) {
   double smallest = o.largest;
   for (const auto& c : o.classes)
@@ -34,11 +38,9 @@ struct ClassFit {
   Intervals intervals;
 };
 
-// One color class. `em_model` is null for the other methods. `fraction_is_measured`: in the profiles;
-// otherwise it is that of loose stones.
+// One color class. `em_model` is null for the other methods.
 ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, const UnfoldOptions& options,
-                   const EmModel* em_model, bool fraction_is_measured, const Work& work) {
-  const double fraction_error = fraction_is_measured ? kFractionError : kLooseError;
+                   const EmModel* em_model, const Work& work) {
   const Observation& q = o.classes[c];
   ClassFit out;
   UnfoldFit& fit = out.fit;
@@ -47,7 +49,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
 
   EmFit em;
   if (em_model) {
-    em = fit_em(*em_model, q, o.area, fraction_error, work.part(0, 0.3));
+    em = fit_em(*em_model, q, o.area, kFractionError, work.part(0, 0.3));
     fit.density = em_model->reclass * em.density;
     fit.refitted = em_model->coarse * em.density;
     for (const auto& f : em.fits) {
@@ -56,7 +58,7 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
     }
   } else {
     if (options.method == Method::Nnls) {
-      fit.density = solve_nnls(m, counts, o.area, q.area_fraction, fraction_error);
+      fit.density = solve_nnls(m, counts, o.area, q.area_fraction, kFractionError);
     } else {
       const VectorXd x = solve_inverse(m, fit.observed);
       fit.negative = x.cwiseMin(0).cwiseAbs().sum() / std::max(x.cwiseAbs().sum(), 1e-300);
@@ -70,11 +72,10 @@ ClassFit fit_class(const Observations& o, const UnfoldModel& m, std::size_t c, c
   out.intervals = bootstrap(
       q, o.sections, options.bootstrap, options.seed, c,
       [&](const std::vector<double>& weights, double drawn, Random& random) -> VectorXd {
-        const double ratio = fraction_is_measured ? drawn : 1;
-        if (em_model) return draw_em(*em_model, em, q, weights, o.area, ratio, fraction_error, random);
+        if (em_model) return draw_em(*em_model, em, q, weights, o.area, drawn, kFractionError, random);
         const Counts again = count(q.size, weights, m.profile_edges);
         if (options.method == Method::Nnls)
-          return solve_nnls(m, again, o.area, q.area_fraction * ratio, fraction_error);
+          return solve_nnls(m, again, o.area, q.area_fraction * drawn, kFractionError);
         return solve_inverse(m, again.sum / o.area).cwiseMax(0);
       },
       work.part(0.3, 1));
@@ -100,13 +101,6 @@ void add_hiding_error(ClassFit& f) {
     low = std::max(0.0, density - std::hypot(density - low, error));
     high = density + std::hypot(high - density, error);
   }
-}
-
-// How the stones that were found hide each other.
-Hiding hiding_of(const UnfoldResult& r) {
-  Eigen::VectorXd volume = Eigen::VectorXd::Zero(r.model.visible());
-  for (const auto& f : r.fits) volume += f.density.cwiseProduct(r.model.volume);
-  return {r.model.profile_edges, volume};
 }
 
 void add_entries(SizeDistribution& out, const KMatrix& k, const UnfoldModel& m, std::size_t c,
@@ -159,15 +153,31 @@ void make_room(UnfoldResult& r) {
   fraction = 1;
 }
 
+// Counts tell the volume fraction of loose stones with the error of the law of hiding, and physics with
+// kLooseError: the mean of both, weighted by their precision.
+void hold_to_loose_fraction(UnfoldResult& r) {
+  constexpr double kCounts = kHidingError * kHidingError, kPhysics = kLooseError * kLooseError;
+  double& fraction = r.distribution.volume_fraction;
+  if (!(fraction > 0)) return;
+  const double factor = std::pow(kLooseFraction / fraction, kCounts / (kCounts + kPhysics));
+  divide_densities(r, 1 / factor);
+  fraction *= factor;
+}
+
 bool is_finite(const UnfoldResult& r) {
   bool all = std::isfinite(r.distribution.volume_fraction);
   for (const auto& f : r.fits) all = all && f.density.allFinite();
   return all;
 }
 
+Bed bed_of(const Profiles& profiles) {
+  if (profiles.view != View::Surface) return Bed::None;
+  return shows_loose_stones(profiles) ? Bed::Loose : Bed::Soil;
+}
+
 // Unfolds with a given number of size classes.
 UnfoldResult unfold_classes(Observations o, int classes, double visible, const KMatrix& k,
-                            const UnfoldOptions& options, const Hiding* surface, const Work& work) {
+                            const UnfoldOptions& options, Bed bed, const Work& work) {
   UnfoldResult r;
   double d_max = options.d_max;
   if (d_max > 0 && d_max < o.largest * (1 - 1e-9))
@@ -183,12 +193,12 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
                             o.classes.size(), k.shapes.size()),
                 "connect one shape per class, or set types: mixed")
         .parameter("types");
-  if (d_max <= 0 && surface) d_max = o.largest * (1 + 1e-9);  // silhouettes show whole sizes
+  if (d_max <= 0 && bed != Bed::None) d_max = o.largest * (1 + 1e-9);  // silhouettes show whole sizes
   if (d_max <= 0) d_max = estimate_d_max(o, k, options.types, classes, visible, work.part(0, 0.3));
   std::vector<double> profiles;
   if (options.classes == 0 && options.method == Method::Em)
     for (const auto& q : o.classes) profiles.insert(profiles.end(), q.size.begin(), q.size.end());
-  r.model = make_model(k, classes, d_max, visible, profiles, surface);
+  r.model = make_model(k, classes, d_max, visible, profiles, bed);
   const UnfoldModel& m = r.model;
   r.condition = condition_of(m.matrix);
   const bool em = options.method == Method::Em;
@@ -202,11 +212,10 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     const auto at = [&](std::size_t i) { return 0.3 + 0.7 * i / count_of_classes; };
     const KMatrix own = kmatrix_of(k, options.types, c);
     const UnfoldModel model =
-        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles, surface) : m;
-    const EmModel em_model = em ? make_em_model(own, model, surface) : EmModel{};
-    ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, surface == nullptr,
-                           work.part(at(c), at(c + 1)));
-    if (surface) add_hiding_error(f);
+        depends_on_class(k, options.types) ? make_model(own, classes, d_max, visible, profiles, bed) : m;
+    const EmModel em_model = em ? make_em_model(own, model, bed) : EmModel{};
+    ClassFit f = fit_class(o, model, c, options, em ? &em_model : nullptr, work.part(at(c), at(c + 1)));
+    if (bed != Bed::None) add_hiding_error(f);
     for (Eigen::Index i = 0; i < f.fit.observed.size(); ++i) {
       const double expected = f.fit.refitted[i] * o.area, seen = f.fit.observed[i] * o.area;
       if (expected > 0) {
@@ -220,29 +229,13 @@ UnfoldResult unfold_classes(Observations o, int classes, double visible, const K
     r.fits.push_back(f.fit);
   }
   out.goodness_of_fit = chi2 / std::max(freedom, 1.0);
+  if (bed == Bed::Loose && !o.relative && !(options.area_fraction > 0)) hold_to_loose_fraction(r);
   if (o.relative)
     make_relative(r);
   else
     make_room(r);
   r.observations = std::move(o);
   return r;
-}
-
-// Sizes of a surface and how stones hide each other depend on each other: a few rounds, which change little
-// after the second.
-UnfoldResult unfold_surface(const Observations& o, int classes, double visible, const KMatrix& k,
-                            const UnfoldOptions& options, const Work& work) {
-  constexpr int kRounds = 4;
-  UnfoldOptions quick = options;
-  quick.bootstrap = 0;
-  Hiding hiding;
-  for (int round = 1; round < kRounds; ++round) {
-    UnfoldResult r =
-        unfold_classes(o, classes, visible, k, quick, &hiding, work.part(0.1 * (round - 1), 0.1 * round));
-    if (!is_finite(r)) return r;
-    hiding = hiding_of(r);
-  }
-  return unfold_classes(o, classes, visible, k, options, &hiding, work.part(0.3, 1));
 }
 
 }  // namespace
@@ -279,8 +272,13 @@ int classes_for(std::size_t profiles) {
 UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOptions& options,
                     const Work& work) {
   constexpr std::size_t kLeast = 3;
+  const Bed bed = bed_of(profiles);
   double visible = options.smallest_visible;
-  if (visible < 0) visible = smallest_seen(observe(profiles, options.border, 0, options.area_fraction));
+  if (visible < 0) {
+    const Observations all = observe(profiles, options.border, 0, options.area_fraction);
+    visible = smallest_seen(all);
+    if (bed == Bed::Loose) visible = std::min(kRecognized * visible, std::max(visible, all.largest / 2));
+  }
   const Observations o = observe(profiles, options.border, visible, options.area_fraction);
   if (o.used < kLeast)
     throw Error("too-few-profiles",
@@ -288,9 +286,7 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
                 "use a larger photograph, or border: all");
   for (int classes = options.classes > 0 ? options.classes : std::min(k.classes, classes_for(o.used));;
        --classes) {
-    UnfoldResult r = profiles.view == View::Surface
-                         ? unfold_surface(o, classes, visible, k, options, work)
-                         : unfold_classes(o, classes, visible, k, options, nullptr, work);
+    UnfoldResult r = unfold_classes(o, classes, visible, k, options, bed, work);
     const bool finite = is_finite(r);
     if (finite && (o.relative || r.distribution.volume_fraction <= 1)) return r;
     if (!finite && options.classes == 0 && classes > 1) continue;  // fewer profiles determine fewer classes

@@ -71,56 +71,61 @@ TEST(SizeTrend, TracedShapesBelongToTheirSize) {
   EXPECT_GT(shape_shares(k, 0.01)[0], 0.5);
 }
 
-TEST(Hiding, CoarserIsTheVolumeAbove) {
-  const Hiding h({1, 2, 4}, Eigen::Vector2d(3, 1));
-  EXPECT_DOUBLE_EQ(h.coarser(0.5), 1);
-  EXPECT_DOUBLE_EQ(h.coarser(1), 1);
-  EXPECT_DOUBLE_EQ(h.coarser(1.5), 0.625);
-  EXPECT_DOUBLE_EQ(h.coarser(2), 0.25);
-  EXPECT_DOUBLE_EQ(h.coarser(3), 0.125);
-  EXPECT_DOUBLE_EQ(h.coarser(4), 0);
-  EXPECT_DOUBLE_EQ(Hiding().coarser(3), 0.5);
+TEST(Hiding, MatrixCountsWhatIsSeen) {
+  const std::vector<double> edges{0.5, 1, 2, 3, 4};
+  for (const Bed kind : {Bed::Soil, Bed::Loose}) {
+    const Hiding h(kind, 0.6);
+    const Eigen::MatrixXd m = h.matrix(edges, edges);
+    // All classes together: everything that looks larger than 0.5.
+    for (int j = 0; j < m.cols(); ++j) {
+      double all = 0;
+      for (int k = 0; k < 1000; ++k)
+        all += h.above(edges[j] + (edges[j + 1] - edges[j]) * (k + 0.5) / 1000, 0.5) / 1000;
+      EXPECT_NEAR(m.col(j).sum(), all, 0.01 * all);
+    }
+  }
 }
 
-TEST(Hiding, MatrixCountsWhatIsSeen) {
-  const Hiding h({1, 2, 4}, Eigen::Vector2d(1, 1));
-  const std::vector<double> edges{0.5, 1, 2, 3, 4};
-  const Eigen::MatrixXd m = h.matrix(edges, edges);
-  // All classes together: everything that looks larger than 0.5.
-  for (int j = 0; j < m.cols(); ++j) {
-    double all = 0;
-    for (int k = 0; k < 1000; ++k)
-      all += h.seen_above(edges[j] + (edges[j + 1] - edges[j]) * (k + 0.5) / 1000, 0.5) / 1000;
-    EXPECT_NEAR(m.col(j).sum(), all, 0.01 * all);
-  }
-  // The largest stones are seen about once per layer, and hardly hidden; nothing looks larger than it is.
-  EXPECT_NEAR(h.seen_above(4, 3.6), 4 * 0.92, 1e-9);
-  EXPECT_DOUBLE_EQ(h.seen_above(2, 2.1), 0);
-  EXPECT_GT(h.seen_above(1, 0.2), h.seen_above(1, 0.5));
+TEST(Hiding, SoilShowsWholeStonesOfOneLayer) {
+  const Hiding h(Bed::Soil, 0.6);
+  EXPECT_DOUBLE_EQ(h.above(4, 3), 4 * 0.6);
+  EXPECT_EQ(h.above(4, 4.5), 0);
+}
+
+TEST(Hiding, LooseStonesLeanAndHideEachOther) {
+  const Hiding balls(Bed::Loose, 1), flat(Bed::Loose, 0.5);
+  // Half way between the height of a flat spheroid and its mean caliper diameter, (0.5 + (π/3) / √0.75) / 2.
+  EXPECT_NEAR(flat.above(4, 0.1) / balls.above(4, 0.1), (0.5 + (0.5 + pi / 3 / std::sqrt(0.75)) / 2) / 2,
+              0.002);
+  // Parts look smaller, and so do stones that lean.
+  EXPECT_LT(balls.above(4, 3.6), 0.4 * balls.above(4, 0.1));
+  EXPECT_LT(flat.above(4, 3.6) / flat.above(4, 0.1), 0.8 * balls.above(4, 3.6) / balls.above(4, 0.1));
+  EXPECT_EQ(balls.above(4, 4.5), 0);
 }
 
 // Draws what a bed of balls of two sizes shows, by the law of hiding.
-Profiles bed(double side, std::uint64_t seed, double large, double small) {
+Profiles bed(double side, std::uint64_t seed, double large, double small, Bed kind = Bed::Soil) {
   const std::vector<double> sizes{3, 6}, density{small, large};
-  const double volume3 = small * 27, volume6 = large * 216;
-  const Hiding h({2.9, 3.1, 5.9, 6.1}, Eigen::Vector3d(volume3, 0, volume6));
+  constexpr double kSmallest = 0.6;
+  const Hiding h(kind, 1);
   Random random(seed);
   Profiles p;
   p.view = View::Surface;
   p.observed_area = side * side;
   p.area_fraction = 0.7;
-  p.binder_color.setConstant(0.3F);  // soil, so that no fraction is assumed
+  // Soil, so that no fraction is assumed; or shadows.
+  p.binder_color.setConstant(kind == Bed::Soil ? 0.3F : 0.05F);
   for (int k = 0; k < 2; ++k) {
-    const double all = h.seen_above(sizes[k], 0.2 * sizes[k]);
+    const double all = h.above(sizes[k], kSmallest);
     const double mean = density[k] * all * side * side;
     const auto n = static_cast<int>(std::lround(mean + std::sqrt(mean) * random.normal()));
     for (int i = 0; i < n; ++i) {
       // Inverts the falling number of silhouettes above a size.
-      double low = 0.2 * sizes[k], high = 1.03 * sizes[k];
+      double low = kSmallest, high = 1.1 * sizes[k];
       const double wanted = random.uniform() * all;
       for (int step = 0; step < 40; ++step) {
         const double middle = (low + high) / 2;
-        (h.seen_above(sizes[k], middle) > wanted ? low : high) = middle;
+        (h.above(sizes[k], middle) > wanted ? low : high) = middle;
       }
       Profile q;
       q.area = q.whole = pi / 4 * low * low;
@@ -132,24 +137,32 @@ Profiles bed(double side, std::uint64_t seed, double large, double small) {
 }
 
 TEST(UnfoldSurface, RecoversABedOfTwoSizes) {
-  const double large = 0.0024, small = 0.019;
-  double sum_large = 0, sum_small = 0;
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    const UnfoldResult r = unfolding::unfold(bed(100, seed, large, small), test::spheres<30>(), {}, {});
-    for (int j = 0; j < r.model.visible(); ++j) {
-      const double from = r.model.profile_edges[j];
-      (from < 4.2 ? sum_small : sum_large) += r.fits[0].density[j] / 4;
+  // Loose balls of these densities fill kLooseFraction.
+  const double large = 0.0024, small = (kLooseFraction / (pi / 6) - large * 216) / 27;
+  for (const Bed kind : {Bed::Soil, Bed::Loose}) {
+    double sum_large = 0, sum_small = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const UnfoldResult r =
+          unfolding::unfold(bed(100, seed, large, small, kind), test::spheres<30>(), {}, {});
+      for (int j = 0; j < r.model.visible(); ++j) {
+        const double from = r.model.profile_edges[j];
+        (from < 4.2 ? sum_small : sum_large) += r.fits[0].density[j] / 4;
+      }
     }
+    EXPECT_NEAR(sum_large / large, 1, 0.12);
+    EXPECT_NEAR(sum_small / small, 1, 0.12);
   }
-  EXPECT_NEAR(sum_large / large, 1, 0.12);
-  EXPECT_NEAR(sum_small / small, 1, 0.12);
 }
 
 // Taken for cuts, the same outlines give other numbers; and the cover of a surface is no volume fraction.
 TEST(UnfoldSurface, SilhouettesAreNoCuts) {
+  double surface = 0;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
+    surface += unfolding::unfold(bed(100, seed, 0.0024, 0.019), test::spheres<30>(), {}, {})
+                   .distribution.volume_fraction /
+               4;
+  EXPECT_NEAR(surface, 0.0024 * pi / 6 * 216 + 0.019 * pi / 6 * 27, 0.04);
   Profiles p = bed(100, 9, 0.0024, 0.019);
-  const double surface = unfolding::unfold(p, test::spheres<30>(), {}, {}).distribution.volume_fraction;
-  EXPECT_NEAR(surface, 0.0024 * pi / 6 * 216 + 0.019 * pi / 6 * 27, 0.06);
   p.view = View::Section;
   p.area_fraction = 0.9;
   for (Profile& q : p.profiles) q.whole = 0;
