@@ -18,6 +18,7 @@ namespace terrazzo::detail_solid {
 namespace {
 
 constexpr double kLeastPixels = 100;     // of a stone
+constexpr double kCut = 4;               // times as many of a stone that the border cuts
 constexpr double kLeastSeen = 40;        // of them, away from its outline
 constexpr double kMostPixels = 8 << 20;  // of all skins: 96 MiB
 constexpr double kVisible = 0.7;         // share of its silhouette that nothing hides
@@ -280,7 +281,8 @@ std::vector<std::size_t> usable_stones(const Labels& labels, const Profiles& pro
       throw Error("size-mismatch",
                   fmt::format("profile {} is in section {} of {}", k + 1, p.section + 1, labels.sections),
                   "use labels and profiles of the same segmentation");
-    if (p.area > 0 && p.color.allFinite() && boxes[k].pixels >= kLeastPixels && p.area >= kVisible * p.whole)
+    if (p.area > 0 && p.color.allFinite() &&
+        boxes[k].pixels >= (p.touches_border ? kCut : 1) * kLeastPixels && p.area >= kVisible * p.whole)
       usable.push_back(k);
   }
   return usable;

@@ -257,11 +257,13 @@ NodeType unfold_node() {
                      .doc_("Number of equal size classes from 0 to d_max. auto: as many as the K matrix has, "
                            "but at most 2·n^⅓ for n profiles; em then divides the smallest visible class "
                            "into parts of at most a factor of two, as far as its profiles suffice."))
-      .parameter(Parameter::optional_number("smallest_visible", "auto")
-                     .unit_("mm")
-                     .range(0, 1e9)
-                     .doc_("Size of the smallest profile that the photograph can show. Smaller profiles are "
-                           "treated as unobserved, not as nonexistent. auto: the smallest profile observed."))
+      .parameter(
+          Parameter::optional_number("smallest_visible", "auto")
+              .unit_("mm")
+              .range(0, 1e9)
+              .doc_("Size of the smallest profile that the photograph can show. Smaller profiles are "
+                    "treated as unobserved, not as nonexistent. auto: the smallest profile observed, or "
+                    "1.7 times as much for loose stones."))
       .parameter(Parameter::choice("border", "weights", {"weights", "inside", "all"})
                      .doc_("weights: profiles cut by the border are left out and the others weighted to "
                            "compensate (Miles and Lantuéjoul). inside: cut profiles are left out. all: every "
