@@ -25,7 +25,7 @@ constexpr std::size_t kFew = 5;    // profiles
 // are relative or the photograph's size is unknown.
 std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& distribution,
                              const packing::PackOptions& options) {
-  constexpr double kDeep = 3, kMostStones = 5;  // largest stones, times the requested number
+  constexpr double kDeep = 3, kMostStones = 4;  // largest stones, times the requested number
   double density = 0;
   for (const auto& e : distribution.shapes)
     for (const double n : e.N_V) density += n;
