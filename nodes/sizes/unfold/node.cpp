@@ -263,7 +263,7 @@ NodeType unfold_node() {
               .range(0, 1e9)
               .doc_("Size of the smallest profile that the photograph can show. Smaller profiles are "
                     "treated as unobserved, not as nonexistent. auto: the smallest profile observed, or "
-                    "1.7 times as much for loose stones."))
+                    "1.3 times as much for loose stones."))
       .parameter(Parameter::choice("border", "weights", {"weights", "inside", "all"})
                      .doc_("weights: profiles cut by the border are left out and the others weighted to "
                            "compensate (Miles and Lantuéjoul). inside: cut profiles are left out. all: every "

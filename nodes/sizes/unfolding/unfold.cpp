@@ -22,9 +22,9 @@ constexpr double kOverfull = 0.02;
 // shows none one time in twenty. Below: fewer cannot be seen.
 constexpr double kAbove = 3, kBelow = 1.5;
 
-// Of loose stones, Segment recognizes the smallest parts by chance, and almost all from this many times as
-// large (results, Views).
-constexpr double kRecognized = 1.7;
+// Of loose stones, Segment recognizes the smallest parts by chance: those below this many times the smallest
+// are left out (results, Views).
+constexpr double kRecognized = 1.3;
 
 double smallest_seen(const Observations& o) {
   double smallest = o.largest;

@@ -28,7 +28,7 @@ enum class Types {
 struct UnfoldOptions {
   Method method = Method::Em;
   int classes = 0;  // number of size classes; 0: as many as the K matrix has, fewer if profiles are few
-  // Size of the smallest profile that can be seen, mm; < 0: the smallest observed, or 1.7 times as much for
+  // Size of the smallest profile that can be seen, mm; < 0: the smallest observed, or 1.3 times as much for
   // loose stones, but at most half of the largest.
   double smallest_visible = -1;
   Border border = Border::Weights;
