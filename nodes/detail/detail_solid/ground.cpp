@@ -88,12 +88,14 @@ SoilWindow window_of_soil(const Labels& labels, const Labels* mask) {
 // The window, as sRGB-encoded values, where it shows soil in the light.
 PartialPicture soil_in(const SoilWindow& window, const Image& image, const Labels& labels,
                        const Labels* mask) {
-  cv::Mat soil = soil_of(labels, mask, window.section);
+  cv::Mat soil = soil_of(labels, mask, window.section)(window.area).clone();
   cv::Mat shade(soil.size(), CV_32F);
   for (int y = 0; y < soil.rows; ++y)
-    for (int x = 0; x < soil.cols; ++x)
-      shade.at<float>(y, x) = std::log(kBlack + std::max(0.0F, luminance_of(image.at(x, y, window.section))));
-  leave_out_shadows(soil, shade);
+    for (int x = 0; x < soil.cols; ++x) {
+      const Vec3f& color = image.at(window.area.x + x, window.area.y + y, window.section);
+      shade.at<float>(y, x) = std::log(kBlack + std::max(0.0F, luminance_of(color)));
+    }
+  leave_out_shadows(soil, shade);  // of this window's soil, at least half stays
   PartialPicture picture;
   picture.width = window.area.width;
   picture.height = window.area.height;
@@ -101,7 +103,7 @@ PartialPicture soil_in(const SoilWindow& window, const Image& image, const Label
     for (int x = 0; x < picture.width; ++x) {
       const int u = window.area.x + x;
       const int v = window.area.y + y;
-      picture.known.push_back(soil.at<std::uint8_t>(v, u) != 0);
+      picture.known.push_back(soil.at<std::uint8_t>(y, x) != 0);
       picture.value.push_back(linear_to_srgb(image.at(u, v, window.section).cwiseMax(0.0F)));
     }
   return picture;
@@ -164,6 +166,7 @@ Detail::Ground find_ground(const Image& image, const Labels& labels, const Label
       window.soil < kLeastSoil * window.area.area())
     return {};
   PartialPicture picture = soil_in(window, image, labels, mask);
+  if (std::count(picture.known.begin(), picture.known.end(), 1) == 0) return {};
   fill_picture(picture, seed, work);
   picture = transposed(joined_across(transposed(joined_across(picture))));
   Vec3 sum = Vec3::Zero();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/sizes/unfolding/bootstrap.h"
 #include "nodes/sizes/unfolding/em.h"
 #include "nodes/sizes/unfolding/solve.h"
@@ -31,6 +32,19 @@ double smallest_seen(const Observations& o) {
   for (const auto& c : o.classes)
     for (const double s : c.size) smallest = std::min(smallest, s);
   return smallest * (1 - 1e-9);
+}
+
+// Of a surface, at least half of the silhouettes count, and all whole ones of the largest stones.
+double visible_in(const Observations& o, Bed bed) {
+  constexpr double kWhole = 0.8;  // how small whole stones may look (hiding.cpp)
+  double visible = smallest_seen(o);
+  if (bed == Bed::None) return visible;
+  if (bed == Bed::Loose) {
+    std::vector<double> sizes;
+    for (const auto& c : o.classes) sizes.insert(sizes.end(), c.size.begin(), c.size.end());
+    visible = std::min(kRecognized * visible, median(std::move(sizes)));
+  }
+  return std::min(visible, kWhole * o.largest);
 }
 
 struct ClassFit {
@@ -274,11 +288,7 @@ UnfoldResult unfold(const Profiles& profiles, const KMatrix& k, const UnfoldOpti
   constexpr std::size_t kLeast = 3;
   const Bed bed = bed_of(profiles);
   double visible = options.smallest_visible;
-  if (visible < 0) {
-    const Observations all = observe(profiles, options.border, 0, options.area_fraction);
-    visible = smallest_seen(all);
-    if (bed == Bed::Loose) visible = std::min(kRecognized * visible, std::max(visible, all.largest / 2));
-  }
+  if (visible < 0) visible = visible_in(observe(profiles, options.border, 0, options.area_fraction), bed);
   const Observations o = observe(profiles, options.border, visible, options.area_fraction);
   if (o.used < kLeast)
     throw Error("too-few-profiles",

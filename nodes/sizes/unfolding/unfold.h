@@ -29,7 +29,7 @@ struct UnfoldOptions {
   Method method = Method::Em;
   int classes = 0;  // number of size classes; 0: as many as the K matrix has, fewer if profiles are few
   // Size of the smallest profile that can be seen, mm; < 0: the smallest observed, or 1.3 times as much for
-  // loose stones, but at most half of the largest.
+  // loose stones; of a surface, at most 0.8 of the largest, and at least half of the silhouettes stay.
   double smallest_visible = -1;
   Border border = Border::Weights;
   double d_max = 0;          // size of the largest particle, mm; 0: estimated

@@ -92,6 +92,18 @@ TEST(Ground, HasNoShadowsOfStones) {
   EXPECT_NEAR(shadowed(true), shadowed(false), 0.05);
 }
 
+// The window with most soil lies in the shade and is darker than most soil of the photograph.
+TEST(Ground, MayBeInTheShadeAsAWhole) {
+  test::DrawnPicture drawn = test::draw_disks(1600, 80, 30, [](int x, int y, int) {
+    return linear_to_srgb(Vec3f::Constant(x < 700 && y < 800 ? 0.03F : 0.3F));
+  });
+  for (int y = 0; y < 800; ++y)
+    for (int x = 0; x < 640; ++x) drawn.labels.ids[drawn.labels.index(x, y)] = 0;
+  const Detail::Ground ground = find_ground(drawn.image, drawn.labels, nullptr, surface_of(0.28), 1);
+  ASSERT_FALSE(ground.shade.empty());
+  for (const Vec3f& v : ground.shade) ASSERT_NEAR(v.x(), 0, 0.01);
+}
+
 TEST(Ground, IsOfSurfacesWithSoil) {
   const test::DrawnPicture drawn = stones_in_soil();
   EXPECT_TRUE(find_ground(drawn.image, drawn.labels, nullptr, surface_of(0.9), 1).shade.empty());  // loose

@@ -169,6 +169,31 @@ TEST(UnfoldSurface, SilhouettesAreNoCuts) {
   EXPECT_NEAR(unfolding::unfold(p, test::spheres<30>(), {}, {}).distribution.volume_fraction, 0.9, 0.02);
 }
 
+Profiles silhouettes(int small, int large, Bed kind) {
+  Profiles p;
+  p.view = View::Surface;
+  p.observed_area = 1600;
+  p.area_fraction = 0.5;
+  p.binder_color.setConstant(kind == Bed::Soil ? 0.3F : 0.05F);
+  Random random(7);
+  for (int i = 0; i < small + large; ++i) {
+    const double size = (i < small ? 1 : 4) * random.uniform(0.99, 1.01);
+    Profile q;
+    q.area = q.whole = pi / 4 * size * size;
+    q.color.setConstant(0.3F);
+    p.profiles.push_back(q);
+  }
+  return p;
+}
+
+// Stones of one size are one layer, N_A / D, and none are left out as parts.
+TEST(UnfoldSurface, NearlyEqualStonesAreCounted) {
+  const UnfoldResult r = unfolding::unfold(silhouettes(0, 100, Bed::Soil), test::spheres<30>(), {}, {});
+  EXPECT_NEAR(r.fits[0].density.sum() / (100 / 1600.0 / 4), 1, 0.15);
+  const auto few = unfolding::unfold(silhouettes(300, 2, Bed::Loose), test::spheres<30>(), {}, {});
+  EXPECT_GE(few.observations.used, 151U);
+}
+
 TEST(UnfoldSurface, LooseStonesFillAKnownShare) {
   Profiles p = bed(100, 3, 0.0012, 0.0095);  // half as many as fit
   EXPECT_FALSE(shows_loose_stones(p));
