@@ -91,7 +91,7 @@ TEST_F(BundleTest, OpenAnywhere) {
   EXPECT_EQ(test::run_program({"check", (folder / "two.zip").string()}).exit_code, 0);
 }
 
-// A sweep of an archive has its graph below the output folder, and goes on there.
+// A sweep unpacks the archive below its output folder once, and a second run continues it there.
 TEST_F(BundleTest, CanBeSwept) {
   const fs::path bundle = folder / "two.zip", out = folder / "out";
   ASSERT_EQ(program({"bundle", graph.string(), "--out", bundle.string()}).exit_code, 0);

@@ -103,8 +103,8 @@ NodeType render_solid_node() {
       .parameter(Parameter::integer("samples", 32)
                      .range(1, 65536)
                      .doc_("Light paths per pixel: four for each ray from the camera if divisible by four, "
-                           "or two if even. Four "
-                           "times as many halve the noise; powers of two are distributed best."))
+                           "or two if even. Four times as "
+                           "many halve the noise; powers of two are distributed best."))
       .parameter(
           Parameter::choice("mode", "auto", kModes)
               .doc_("block: a block with a corner cut out to show inner faces. cube: a whole block. object, "

@@ -16,7 +16,8 @@ using carving::Solid;
 
 struct RenderOptions {
   int width = 720, height = 720;  // pixels
-  int samples = 32;     // light paths per pixel; of an even number, two for each ray from the camera
+  // Light paths per pixel: four for each ray from the camera if divisible by four, or two if even.
+  int samples = 32;
   int bounces = 2;      // diffuse reflections between surfaces
   float gloss = 0.35f;  // fraction of a polished surface's mirror reflection, 0…1
   std::uint64_t seed = 1;

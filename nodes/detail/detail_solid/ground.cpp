@@ -8,6 +8,7 @@
 #include "nodes/common/texture/color.h"
 #include "nodes/data/luminance.h"
 #include "nodes/detail/detail_solid/fill.h"
+#include "nodes/detail/detail_solid/shadows.h"
 
 namespace terrazzo::detail_solid {
 namespace {
@@ -16,7 +17,6 @@ constexpr int kGroundSide = 512;    // pixels
 constexpr double kLeastSoil = 0.1;  // of the window
 constexpr double kFromOutline = 2;  // pixels from outlines that the camera mixes with stones
 constexpr int kSeam = 48;           // pixels in which the soil goes over into that of the opposite edge
-constexpr float kBlack = 0.01F;     // luminance: darker pixels show the camera's noise
 constexpr int kTones = 101;
 constexpr int kIgnored = 1;  // in Segment's output unobserved
 
@@ -36,8 +36,7 @@ cv::Mat soil_of(const Labels& labels, const Labels* mask, int section) {
 // Leaves out shadows of stones, which View casts anew: places that reach an outline and are darker than most
 // soil by more than a standard deviation. `shade`: logarithm of the luminance.
 void leave_out_shadows(cv::Mat& soil, const cv::Mat& shade) {
-  constexpr double kGrain = 2;          // pixels, blurred so that single grains don't count
-  constexpr float kOfNormal = 1.4826F;  // standard deviation of a normal distribution over this median
+  constexpr double kGrain = 2;  // pixels, blurred so that single grains don't count
   cv::Mat weight, even;
   soil.convertTo(weight, CV_32F, 1.0 / 255);
   cv::GaussianBlur(shade.mul(weight), even, {0, 0}, kGrain);
@@ -50,14 +49,7 @@ void leave_out_shadows(cv::Mat& soil, const cv::Mat& shade) {
   const float usual = median(values);
   for (float& v : values) v = std::abs(v - usual);
   const float dark = usual - kOfNormal * median(std::move(values));
-  cv::Mat parts;
-  std::vector<std::uint8_t> reaches(cv::connectedComponents((soil == 0) | (even < dark), parts, 8, CV_32S),
-                                    0);
-  const int* part = parts.ptr<int>();
-  for (std::size_t i = 0; i < soil.total(); ++i)
-    if (!soil.data[i]) reaches[part[i]] = 1;
-  for (std::size_t i = 0; i < soil.total(); ++i)
-    if (reaches[part[i]]) soil.data[i] = 0;
+  soil.setTo(0, outside_with_shadows(soil == 0, even < dark));
 }
 
 struct SoilWindow {
@@ -93,7 +85,7 @@ PartialPicture soil_in(const SoilWindow& window, const Image& image, const Label
   for (int y = 0; y < soil.rows; ++y)
     for (int x = 0; x < soil.cols; ++x) {
       const Vec3f& color = image.at(window.area.x + x, window.area.y + y, window.section);
-      shade.at<float>(y, x) = std::log(kBlack + std::max(0.0F, luminance_of(color)));
+      shade.at<float>(y, x) = std::log(Detail::kSkinDark + std::max(0.0F, luminance_of(color)));
     }
   leave_out_shadows(soil, shade);  // of this window's soil, at least half stays
   PartialPicture picture;
@@ -166,7 +158,6 @@ Detail::Ground find_ground(const Image& image, const Labels& labels, const Label
       window.soil < kLeastSoil * window.area.area())
     return {};
   PartialPicture picture = soil_in(window, image, labels, mask);
-  if (std::count(picture.known.begin(), picture.known.end(), 1) == 0) return {};
   fill_picture(picture, seed, work);
   picture = transposed(joined_across(transposed(joined_across(picture))));
   Vec3 sum = Vec3::Zero();

@@ -13,6 +13,7 @@
 #include "nodes/data/indices.h"
 #include "nodes/data/luminance.h"
 #include "nodes/detail/detail_solid/fill.h"
+#include "nodes/detail/detail_solid/shadows.h"
 
 namespace terrazzo::detail_solid {
 namespace {
@@ -193,18 +194,16 @@ void leave_out_shadows(std::vector<Stone>& stones) {
     each_seen(stone,
               [&](std::size_t i) { differences.push_back(std::abs(luminance_of(stone.skin.shade[i]))); });
   if (differences.empty()) return;
-  constexpr float kOfNormal = 1.4826F;  // standard deviation of a normal distribution over this median
   const float dark = -kUnusual * kOfNormal * median(std::move(differences));
   for (Stone& stone : stones) {
     const int width = stone.skin.width, height = stone.skin.height;
-    cv::Mat shadow = cv::Mat::zeros(height, width, CV_8U), parts;
-    for (std::size_t i = 0; i < stone.size(); ++i)
-      shadow.data[i] = !stone.seen[i] || luminance_of(stone.skin.shade[i]) < dark;
-    std::vector<std::uint8_t> reaches(cv::connectedComponents(shadow, parts, 8, CV_32S), 0);
-    const auto part = [&](std::size_t i) { return parts.at<int>(static_cast<int>(i)); };
-    for (std::size_t i = 0; i < stone.size(); ++i)
-      if (!stone.seen[i]) reaches[part(i)] = 1;
-    each_seen(stone, [&](std::size_t i) { stone.seen[i] = !reaches[part(i)]; });
+    cv::Mat outside(height, width, CV_8U), shadow(height, width, CV_8U);
+    for (std::size_t i = 0; i < stone.size(); ++i) {
+      outside.data[i] = !stone.seen[i];
+      shadow.data[i] = luminance_of(stone.skin.shade[i]) < dark;
+    }
+    const cv::Mat left_out = outside_with_shadows(outside, shadow);
+    each_seen(stone, [&](std::size_t i) { stone.seen[i] = !left_out.data[i]; });
   }
 }
 

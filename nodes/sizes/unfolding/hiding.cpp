@@ -11,8 +11,14 @@ struct Knot {
   double ratio, seen;  // silhouettes per layer that look larger than ratio·size
 };
 // Of stones that are seen nearly whole, as Segment outlines them.
-constexpr std::array<Knot, 8> kWhole{
-    {{1.1, 0}, {1.05, 0.045}, {1, 0.17}, {0.97, 0.32}, {0.95, 0.43}, {0.9, 0.66}, {0.85, 0.79}, {0.8, 0.85}}};
+constexpr std::array<Knot, 8> kWhole{{{1.1, 0},
+                                      {1.05, 0.045},
+                                      {1, 0.17},
+                                      {0.97, 0.32},
+                                      {0.95, 0.43},
+                                      {0.9, 0.66},
+                                      {0.85, 0.79},
+                                      {kSmallestWhole, 0.85}}};
 constexpr std::array<Knot, 10> kParts{{{0.9, 0},
                                        {0.8, 0.1},
                                        {0.7, 0.18},
@@ -53,7 +59,7 @@ constexpr int kLeans = 8;   // silhouettes between the narrowest and the widest
 }  // namespace
 
 Hiding::Hiding(Bed bed, double height) : bed_(bed), depth_(height), narrowest_(1) {
-  constexpr double kFlattest = 0.05, kRoundest = 0.999;  // beyond, the formulas of spheroids have no digits
+  constexpr double kFlattest = 0.05, kRoundest = 0.999;  // so that formulas of spheroids have digits
   if (bed != Bed::Loose) return;
   const double h = std::clamp(height, kFlattest, kRoundest);
   depth_ = (h + mean_caliper(h)) / 2;

@@ -14,15 +14,18 @@ enum class Bed { None, Soil, Loose };
 // Segment finds in a picture of one bed (results, Views).
 inline constexpr double kHidingError = 0.15;
 
+// How small a stone that is seen nearly whole may look, relative to its size.
+inline constexpr double kSmallestWhole = 0.8;
+
 // Stones whose height is `height` times their size when they lie flat. N_V of them per volume are seen
 // N_V·depth times per area: one layer stands for a depth in proportion to their height, as in Kellerhals and
 // Bray (1971), by whom counts per area times D² are shares of volume. Sizes seen are those of completed
 // silhouettes (silhouette.h).
 //
 // In soil, stones lie flat and are seen whole. Loose ones lean, half way between flat and any direction; in a
-// layer, 0.85 are seen nearly whole, and deeper ones show up to 1.31 parts, most of them small. Both numbers
-// are the same for stones of all sizes. Measured on ten beds of balls, pebbles and rocks with sizes in ratios
-// up to 6 that fell one after another (results, Views).
+// layer, Segment finds 0.85 nearly whole, and up to 1.31 parts of deeper ones, most of them small. Both
+// numbers are the same for stones of all sizes. Measured on ten beds of balls, pebbles and rocks with sizes
+// in ratios up to 6 that fell one after another (results, Views).
 class Hiding {
  public:
   Hiding(Bed, double height);

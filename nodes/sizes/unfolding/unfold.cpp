@@ -36,7 +36,6 @@ double smallest_seen(const Observations& o) {
 
 // Of a surface, at least half of the silhouettes count, and all whole ones of the largest stones.
 double visible_in(const Observations& o, Bed bed) {
-  constexpr double kWhole = 0.8;  // how small whole stones may look (hiding.cpp)
   double visible = smallest_seen(o);
   if (bed == Bed::None) return visible;
   if (bed == Bed::Loose) {
@@ -44,7 +43,7 @@ double visible_in(const Observations& o, Bed bed) {
     for (const auto& c : o.classes) sizes.insert(sizes.end(), c.size.begin(), c.size.end());
     visible = std::min(kRecognized * visible, median(std::move(sizes)));
   }
-  return std::min(visible, kWhole * o.largest);
+  return std::min(visible, kSmallestWhole * o.largest);
 }
 
 struct ClassFit {

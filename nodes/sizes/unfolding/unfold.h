@@ -79,10 +79,10 @@ double estimate_d_max(const Observations&, const KMatrix&, Types, int classes, d
 // of the profiles (V_V = A_A), which is known far better than any class. `inverse` solves N_A = M·N_V (Jagnow
 // et al. 2004, eq. 8, 12) and sets negative densities to zero. If the observed area is unknown, Σ N_V is 1
 // and the volume fraction 0. Profiles of a surface are silhouettes: sizes are those of whole silhouettes,
-// stones hide each other (hiding.h), and loose stones fill about kLooseFraction of the volume. A
-// volume fraction of 1 to 1.02 is scaled to 1. Throws Error "no-profiles", "bad-profiles", "bad-kmatrix",
-// "too-few-profiles", "singular", "unstable" (particles would fill more than the volume), "nothing-visible",
-// "too-small" (d_max).
+// stones hide each other (hiding.h), and the volume fraction of loose stones is drawn toward
+// kLooseFraction afterwards, unless area_fraction gives it. A volume fraction of 1 to 1.02 is scaled to 1.
+// Throws Error "no-profiles", "bad-profiles", "bad-kmatrix", "too-few-profiles", "singular", "unstable"
+// (particles would fill more than the volume), "nothing-visible", "too-small" (d_max).
 UnfoldResult unfold(const Profiles&, const KMatrix&, const UnfoldOptions&, const Work&);
 
 }  // namespace terrazzo::unfolding

@@ -103,18 +103,30 @@ TEST(Hiding, LooseStonesLeanAndHideEachOther) {
   EXPECT_EQ(balls.above(4, 4.5), 0);
 }
 
+// Soil, so that no fraction is assumed, or shadows between loose stones.
+Profiles nothing_on(double area, Bed kind) {
+  Profiles p;
+  p.view = View::Surface;
+  p.observed_area = area;
+  p.area_fraction = 0.7;
+  p.binder_color.setConstant(kind == Bed::Soil ? 0.3F : 0.05F);
+  return p;
+}
+
+Profile silhouette(double size) {
+  Profile q;
+  q.area = q.whole = pi / 4 * size * size;
+  q.color.setConstant(0.3F);
+  return q;
+}
+
 // Draws what a bed of balls of two sizes shows, by the law of hiding.
 Profiles bed(double side, std::uint64_t seed, double large, double small, Bed kind = Bed::Soil) {
   const std::vector<double> sizes{3, 6}, density{small, large};
   constexpr double kSmallest = 0.6;
   const Hiding h(kind, 1);
   Random random(seed);
-  Profiles p;
-  p.view = View::Surface;
-  p.observed_area = side * side;
-  p.area_fraction = 0.7;
-  // Soil, so that no fraction is assumed; or shadows.
-  p.binder_color.setConstant(kind == Bed::Soil ? 0.3F : 0.05F);
+  Profiles p = nothing_on(side * side, kind);
   for (int k = 0; k < 2; ++k) {
     const double all = h.above(sizes[k], kSmallest);
     const double mean = density[k] * all * side * side;
@@ -127,10 +139,7 @@ Profiles bed(double side, std::uint64_t seed, double large, double small, Bed ki
         const double middle = (low + high) / 2;
         (h.above(sizes[k], middle) > wanted ? low : high) = middle;
       }
-      Profile q;
-      q.area = q.whole = pi / 4 * low * low;
-      q.color.setConstant(0.3F);
-      p.profiles.push_back(q);
+      p.profiles.push_back(silhouette(low));
     }
   }
   return p;
@@ -170,19 +179,10 @@ TEST(UnfoldSurface, SilhouettesAreNoCuts) {
 }
 
 Profiles silhouettes(int small, int large, Bed kind) {
-  Profiles p;
-  p.view = View::Surface;
-  p.observed_area = 1600;
-  p.area_fraction = 0.5;
-  p.binder_color.setConstant(kind == Bed::Soil ? 0.3F : 0.05F);
+  Profiles p = nothing_on(1600, kind);
   Random random(7);
-  for (int i = 0; i < small + large; ++i) {
-    const double size = (i < small ? 1 : 4) * random.uniform(0.99, 1.01);
-    Profile q;
-    q.area = q.whole = pi / 4 * size * size;
-    q.color.setConstant(0.3F);
-    p.profiles.push_back(q);
-  }
+  for (int i = 0; i < small + large; ++i)
+    p.profiles.push_back(silhouette((i < small ? 1 : 4) * random.uniform(0.99, 1.01)));
   return p;
 }
 

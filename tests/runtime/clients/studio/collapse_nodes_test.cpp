@@ -7,6 +7,7 @@
 #include "runtime/clients/studio/live/expand_subgraph.h"
 #include "runtime/files.h"
 #include "runtime/session.h"
+#include "tests/runtime/clients/studio/sum_of_graph.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
@@ -20,12 +21,7 @@ class CollapseNodes : public ::testing::Test {
   studio::NewSubgraph collapsed(const std::string& text, const std::vector<std::string>& nodes) {
     return studio::collapse_nodes(read_graph(text, file), file, nodes, "part", "part.yaml");
   }
-  double sum(const std::string& text) {
-    Session session(test::arithmetic(), test::value_types());
-    const Diagnostics found = session.open_text(text, file);
-    EXPECT_TRUE(found.empty()) << found.front().text() << text;
-    return found.empty() ? test::number_of(session.value("sum.out")) : 0;
-  }
+  double sum(const std::string& text) { return test::sum_of_graph(text, file); }
   const fs::path folder = test::temporary_folder(), file = folder / "graph.yaml";
   const std::string graph =
       "# about the whole graph\nterrazzo: 1\nname: Whole\nparameters:\n  low: {type: number, default: 1}\n  "

@@ -6,6 +6,7 @@
 #include "graph/graph.h"
 #include "runtime/files.h"
 #include "runtime/session.h"
+#include "tests/runtime/clients/studio/sum_of_graph.h"
 #include "tests/support/all_nodes.h"
 #include "tests/support/arithmetic.h"
 #include "tests/support/code_of.h"
@@ -22,12 +23,7 @@ class ExpandSubgraph : public ::testing::Test {
   std::string expanded(const std::string& text, const Registry& registry = test::arithmetic()) {
     return studio::expand_subgraph(read_graph(text, file), file, "part", registry);
   }
-  double sum(const std::string& text) {
-    Session session(test::arithmetic(), test::value_types());
-    const Diagnostics found = session.open_text(text, file);
-    EXPECT_TRUE(found.empty()) << found.front().text() << text;
-    return found.empty() ? test::number_of(session.value("sum.out")) : 0;
-  }
+  double sum(const std::string& text) { return test::sum_of_graph(text, file); }
   const fs::path folder = test::temporary_folder(), file = folder / "graph.yaml";
 };
 

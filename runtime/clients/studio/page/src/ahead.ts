@@ -1,6 +1,7 @@
 // Loads the picture of a node when it is selected, while the page still draws the selection: that takes as long as the server does.
 import { fetchRaster } from './raster';
-import { declarationOf, previewOf, shownDoc, useStore, valueOf } from './store';
+import { declarationOf, previewOf, shownDoc, valueOf } from './states';
+import { useStore } from './store';
 
 let last: string | null = null;
 

@@ -3,7 +3,8 @@ import { secondsText } from './format';
 import { MenuButton, useNarrow } from './menu';
 import { progressText } from './progress';
 import { Group, SaveAs, Share } from './start';
-import { change, post, priceText, save, showStart, shownDoc, useStore } from './store';
+import { shownDoc } from './states';
+import { change, post, priceText, save, showStart, useStore } from './store';
 import { useProgress } from './waiting';
 
 export function Bar() {

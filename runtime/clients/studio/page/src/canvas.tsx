@@ -15,7 +15,8 @@ import { nextNode } from './next_node';
 import { MenuButton, useNarrow } from './menu';
 import { NodeMenu, rename } from './node_menu';
 import { Search, type SearchAt } from './search';
-import { bypass, declarationOf, edit, enter, isLocked, post, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { declarationOf, shownDoc, splitWire } from './states';
+import { bypass, edit, enter, isLocked, post, select, useStore, type Edit } from './store';
 import type { Doc, DocNode, NodeType } from './types';
 
 const nodeTypes = { node: NodeCard, note: NoteCard, folded: FoldedCard };

@@ -1,7 +1,8 @@
 import { useEffect, useState } from 'react';
 
 import { bytesText } from './format';
-import { declarationOf, edit, post, select, shownDoc, splitWire, stateOf, useStore } from './store';
+import { declarationOf, shownDoc, splitWire, stateOf } from './states';
+import { edit, post, select, useStore } from './store';
 import type { Doc, DocNode, NodeState, NodeType } from './types';
 
 interface Written { node: string; path: string; bytes?: number }

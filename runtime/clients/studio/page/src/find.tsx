@@ -1,7 +1,8 @@
 // Finds nodes and commands by name (Ctrl+F, Ctrl+K), and shows the keys (?).
 import { useEffect, useMemo, useRef, useState } from 'react';
 
-import { change, post, save, select, shownDoc, showStart, useStore } from './store';
+import { shownDoc } from './states';
+import { change, post, save, select, showStart, useStore } from './store';
 
 interface Entry { name: string; what: string; act: () => void }
 

@@ -3,7 +3,8 @@ import { Handle, Position, type Node, type NodeProps } from '@xyflow/react';
 import { memo } from 'react';
 
 import { typeColor } from './format';
-import { declarationOf, isBroken, shownDoc, splitWire, stateOf, useStore } from './store';
+import { declarationOf, isBroken, shownDoc, splitWire, stateOf } from './states';
+import { useStore } from './store';
 import type { Doc, DocNode, NodeType, StateWord } from './types';
 
 export const filesCard = 'files ', checksCard = 'checks '; // no nodes have these names

@@ -1,5 +1,6 @@
 // What the viewer shows while no node is selected: the material itself, as far as it is made.
-import { declarationOf, shownDoc, splitWire, useStore, valueOf, previewOf, type Target } from './store';
+import { declarationOf, shownDoc, splitWire, valueOf, previewOf } from './states';
+import { useStore, type Target } from './store';
 import type { Doc, DocNode, NodeState, NodeType, StartInfo } from './types';
 
 // The solids that the node makes pictures of, as renderers and sections do.

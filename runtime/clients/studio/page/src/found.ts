@@ -2,7 +2,8 @@
 import { hexOfInt, hexOfLinear, mainColors, type Share } from './color';
 import { fetchJson, useLoaded } from './load';
 import type { Outlines } from './profiles';
-import { declarationOf, edit, fullName, select, shownDoc, splitWire, useStore, valueOf, type Edit } from './store';
+import { declarationOf, shownDoc, splitWire, valueOf } from './states';
+import { edit, fullName, select, useStore, type Edit } from './store';
 import { freshName } from './tools';
 import type { Doc, DocNode, OutputValue } from './types';
 

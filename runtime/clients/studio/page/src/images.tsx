@@ -6,7 +6,8 @@ import { useDropper } from './dropper';
 import { nibOf, paint, setRegion } from './nib';
 import type { Pen } from './pen';
 import { fetchRaster, isPreview, PanZoom, Picture, type Raster } from './raster';
-import { isLocked, shownDoc, useStore } from './store';
+import { shownDoc } from './states';
+import { isLocked, useStore } from './store';
 import type { DocNode, OutputValue } from './types';
 
 export function Sections({ count, section, set }: { count: number; section: number; set: (s: number) => void }) {

@@ -1,6 +1,7 @@
 import { useState } from 'react';
 
-import { declarationOf, edit, isLocked, select, shownDoc, splitWire, useStore } from './store';
+import { declarationOf, shownDoc, splitWire } from './states';
+import { edit, isLocked, select, useStore } from './store';
 import type { DocNode, Port } from './types';
 
 const kMostFree = 4;

@@ -8,7 +8,8 @@ import { Inputs } from './inputs';
 import { MenuButton, openMenu } from './menu';
 import { colorizeOf, FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
-import { askPrice, bypass, declarationOf, edit, change, fullName, goToLine, isLocked, post, priceText, shownDoc, sourceOf, stateOf, useStore, valueOf } from './store';
+import { declarationOf, shownDoc, stateOf, valueOf } from './states';
+import { askPrice, bypass, edit, change, fullName, goToLine, isLocked, post, priceText, sourceOf, useStore } from './store';
 import type { Doc, DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {

@@ -1,6 +1,7 @@
 import dagre from '@dagrejs/dagre';
 
-import { declarationOf, splitWire, useStore } from './store';
+import { declarationOf, splitWire } from './states';
+import { useStore } from './store';
 import type { Doc, DocNode, NodeType, Port } from './types';
 
 export const nodeWidth = 168;

@@ -7,7 +7,8 @@ import { OutlinesPane, useOutlines, type Outlines } from './profiles';
 import { fetchRaster } from './raster';
 import { RenderedView } from './rendered';
 import { loadParticles, StageView, useShapesOf, webGL } from './solids';
-import { declarationOf, nearest, shownDoc, useStore, valueOf, type Target } from './store';
+import { declarationOf, nearest, shownDoc, valueOf } from './states';
+import { useStore, type Target } from './store';
 import type { DocNode, OutputValue } from './types';
 
 type Brush = { kind: 'profiles' | 'classes' | 'particles'; items: number[] };

@@ -1,7 +1,8 @@
 import { useEffect, useMemo, useState } from 'react';
 
 import { isPreview, urlOf } from './raster';
-import { nearest, shownDoc, useStore, type Target } from './store';
+import { nearest, shownDoc } from './states';
+import { useStore, type Target } from './store';
 import type { DocNode, OutputValue } from './types';
 
 // Loads something for a value; keeps what was shown before until the new value is there, so that nothing flickers.

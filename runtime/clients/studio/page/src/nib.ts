@@ -1,6 +1,7 @@
 // The nib: texture that is painted into a picture. Strokes are a list of the Strokes node that a TextureNib reads.
 import type { Point } from './pen';
-import { edit, fullName, select, shownDoc, splitWire, useStore, type Edit } from './store';
+import { shownDoc, splitWire } from './states';
+import { edit, fullName, select, useStore, type Edit } from './store';
 import { freshName, simplified } from './tools';
 import type { Doc, DocNode } from './types';
 

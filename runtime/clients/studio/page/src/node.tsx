@@ -6,7 +6,8 @@ import { secondsText, typeColor } from './format';
 import { inputsShown } from './layout';
 import { hasThumbnail, Peek, Thumbnail } from './peek';
 import { percentText } from './progress';
-import { belongsTo, declarationOf, elementsOf, enter, isBroken, select, shownDoc, stateOf, useStore, valueOf, worse } from './store';
+import { belongsTo, declarationOf, elementsOf, isBroken, shownDoc, stateOf, valueOf, worse } from './states';
+import { enter, select, useStore } from './store';
 import type { DocNode, NodeState, Port } from './types';
 
 export type GraphNode = Node<{ node: DocNode }, 'node'>;

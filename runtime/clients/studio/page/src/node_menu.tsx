@@ -1,6 +1,7 @@
 // What the right mouse button offers for a node.
 import { Menu, menuAt, type MenuItem } from './menu';
-import { bypass, change, enter, isLocked, post, shownDoc, useStore } from './store';
+import { shownDoc } from './states';
+import { bypass, change, enter, isLocked, post, useStore } from './store';
 
 // Puts the cursor into the name of the selected node.
 export function rename(name: string) {

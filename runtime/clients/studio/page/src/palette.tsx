@@ -4,7 +4,8 @@ import { colorsIn, isHex } from './color';
 import { DropperButton } from './dropper';
 import { useSender } from './fields';
 import { makePalette, profilesOf, useFoundColors } from './found';
-import { edit, isLocked, shownDoc, useStore, type Edit } from './store';
+import { shownDoc } from './states';
+import { edit, isLocked, useStore, type Edit } from './store';
 import type { DocNode, NodeType, Parameter } from './types';
 
 export const isPalette = (items: string[]) => items.length > 0 && items.every(isHex);

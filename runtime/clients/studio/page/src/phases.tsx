@@ -2,7 +2,8 @@
 import type { Pen, Point } from './pen';
 import { strokeText } from './nib';
 import type { Raster } from './raster';
-import { edit, splitWire, useStore, type Edit } from './store';
+import { splitWire } from './states';
+import { edit, useStore, type Edit } from './store';
 import { freshName } from './tools';
 import type { Doc, DocNode } from './types';
 

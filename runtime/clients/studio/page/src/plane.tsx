@@ -7,7 +7,8 @@ import type { View } from './pen';
 import { fetchRaster, PanZoom, Picture } from './raster';
 import { RenderedView } from './rendered';
 import { loadParticles, loadVolume, StageView, useHead, useShapesOf, webGL } from './solids';
-import { declarationOf, edit, previewOf, shownDoc, splitWire, steadily, useStore, valueOf, type Edit } from './store';
+import { declarationOf, previewOf, shownDoc, splitWire, valueOf } from './states';
+import { edit, steadily, useStore, type Edit } from './store';
 import type { DocNode, OutputValue } from './types';
 
 const axes = ['x', 'y', 'z'];

@@ -1,7 +1,8 @@
 import { useMemo, useState } from 'react';
 
 import { writtenPlaces } from './places';
-import { edit, fullName, select, shownDoc, useStore, type Edit } from './store';
+import { shownDoc } from './states';
+import { edit, fullName, select, useStore, type Edit } from './store';
 import type { NodeType } from './types';
 
 // Where the search opens, and the wire that the new node gets: from an output, or to an input.

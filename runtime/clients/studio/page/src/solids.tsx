@@ -7,7 +7,8 @@ import { numberText } from './format';
 import { Wipe } from './images';
 import { fetchBytes, fetchJson, useLoaded, useReference } from './load';
 import { SavePicture } from './save_picture';
-import { nearest, shownDoc, splitWire, useStore, valueOf } from './store';
+import { nearest, shownDoc, splitWire, valueOf } from './states';
+import { useStore } from './store';
 import { hasWebGL, Stage, type Content } from './stage';
 import type { DocNode, OutputValue } from './types';
 

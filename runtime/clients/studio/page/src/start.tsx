@@ -1,7 +1,8 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 
 import { followed } from './follow';
-import { type Advice, change, type Content, dropped, fullName, openBundle, openGraph, openMaterial, post, recommended, select, shownDoc, upload, useStore, valueOf } from './store';
+import { shownDoc, valueOf } from './states';
+import { type Advice, change, type Content, dropped, fullName, openBundle, openGraph, openMaterial, post, recommended, select, upload, useStore } from './store';
 
 const stem = (name: string) => name.replace(/\.[^.]*$/, '').replace(/[*?[\]$/\\]/g, '_');
 

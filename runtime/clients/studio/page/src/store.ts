@@ -4,7 +4,8 @@ import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
 import { learn } from './progress';
-import type { Arrangement, Doc, DocNode, Message, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
+import { failureOf, shownDoc } from './states';
+import type { Arrangement, Doc, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
 
 export interface Target { node: string; port: string }
 export interface Trouble { message: string; hint: string; code: string; again?: () => void } // again: what to do anyway
@@ -62,8 +63,6 @@ const localName = (path: string, scope: string) => (scope && path.startsWith(`${
 export const fullName = (name: string, scope = useStore.getState().scope) => (scope ? `${scope}/${localName(name, scope)}` : name);
 
 export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '', dropper: null }));
-// What the canvas shows: the document, or the inside of a subgraph, whose nodes are named by their paths.
-export const shownDoc = (s: Pick<Store, 'doc' | 'inside'>) => s.inside ?? s.doc;
 export const goToLine = (number: number) => set({ drawer: 'yaml', line: { number } });
 
 export const post = (path: string, body: unknown = {}, again?: () => void) => send(path, JSON.stringify(body), 'application/json', again);
@@ -124,6 +123,14 @@ export function dropped(file: File): void {
 async function uploadBundle(bundle: File, discard = false): Promise<void> {
   const query = new URLSearchParams({ name: bundle.name, discard: String(discard) });
   opened(await send(`/api/bundle?${query}`, bundle, 'application/octet-stream', () => void uploadBundle(bundle, true)));
+}
+// Writes a file beside the graph. Returns its name there, or "".
+export async function uploadInput(file: File): Promise<string> {
+  const answer = await fetch(`/api/input?${new URLSearchParams({ name: file.name, scope: useStore.getState().scope })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: file }).catch(() => null);
+  const said = await answer?.json();
+  if (answer?.ok) return said.file as string;
+  set({ trouble: said ?? { message: 'the server does not answer', hint: '', code: 'offline' } });
+  return '';
 }
 export const save = () => (useStore.getState().doc?.read_only ? set({ savingAs: true }) : void post('/api/save'));
 
@@ -365,109 +372,4 @@ export function sourceOf(written: Written, s: Pick<Store, 'doc' | 'inside' | 'sc
   if (!user) return undefined;
   const value = user.params[own.name]?.value, outer = value === undefined ? undefined : sourceOf(value, { doc: s.doc, inside: null, scope: '' });
   return outer ?? { name: own.name, value: value ?? own.value, edits: v => [{ op: 'set', node: user.name, name: own.name, value: v }], scope: '' };
-}
-
-export const declarationOf = (node: DocNode, types: Map<string, NodeType>) => node.declaration ?? types.get(node.type);
-
-const rank: NodeState['state'][] = ['cached', 'computed', 'stale', 'skipped', 'canceled', 'waiting', 'running', 'failed'];
-export const worse = (a: NodeState, b: NodeState) => (rank.indexOf(b.state) > rank.indexOf(a.state) ? b : a);
-
-// A path without the names of elements: "part[3]/pack" becomes "part/pack".
-const bare = (path: string) => path.replace(/\[[^\]]*\]/g, '');
-
-// Whether a node, or one inside it, has an error in the graph.
-export const belongsTo = (path: string, name: string) => `${bare(path)}/`.startsWith(name + '/');
-export const isBroken = (name: string, s: Pick<Store, 'doc'>) => !!s.doc?.messages.some(m => m.severity === 'error' && belongsTo(m.node, name));
-// The error of a node that failed, with the node's path.
-export const failureOf = (s: Pick<Store, 'nodes'>): Message | undefined => {
-  const failed = Object.entries(s.nodes).find(([, n]) => n.error);
-  return failed && { ...failed[1].error!, node: failed[0] };
-};
-// Writes a file beside the graph. Returns its name there, or "".
-export async function uploadInput(file: File): Promise<string> {
-  const answer = await fetch(`/api/input?${new URLSearchParams({ name: file.name, scope: useStore.getState().scope })}`, { method: 'POST', headers: { 'Content-Type': 'application/octet-stream' }, body: file }).catch(() => null);
-  const said = await answer?.json();
-  if (answer?.ok) return said.file as string;
-  set({ trouble: said ?? { message: 'the server does not answer', hint: '', code: 'offline' } });
-  return '';
-}
-
-export const elementsOf = (node: DocNode, nodes: Record<string, NodeState>) =>
-  new Set(Object.keys(nodes).filter(p => p.startsWith(node.name + '[')).map(p => p.slice(0, p.indexOf(']')))).size;
-
-const nothing: NodeState = { type: '', state: 'cached', progress: 0, note: '', seconds: 0, expected: 0, reasons: [], outputs: {}, previews: {}, metrics: {}, warnings: [], files: [] };
-
-// The state of a node of the document. Those of a subgraph's nodes, and of elements, are joined.
-export function stateOf(node: DocNode, nodes: Record<string, NodeState>): NodeState | undefined {
-  if (node.bypass) return { ...nothing, state: 'bypassed' };
-  if (!node.graph && nodes[node.name]) return nodes[node.name];
-  const all = Object.entries(nodes).filter(([path]) => `${bare(path)}/`.startsWith(node.name + '/'));
-  if (!all.length) return undefined;
-  const read = all.filter(([, s]) => s.state !== 'stale' || s.reasons.length), inside = read.length ? read : all; // the others run for nobody
-  const out: NodeState = { ...nothing, reasons: [], warnings: [], files: [] };
-  for (const [path, s] of inside) {
-    if (rank.indexOf(s.state) > rank.indexOf(out.state)) out.state = s.state;
-    out.seconds += s.seconds, out.expected += s.expected;
-    out.progress += (s.state === 'running' ? s.progress : s.state === 'waiting' ? 0 : 1) / inside.length;
-    out.reasons.push(...s.reasons.map(r => `${path.slice(node.name.length).replace(/^\//, '')}: ${r}`));
-    out.warnings.push(...s.warnings), out.files.push(...s.files);
-    if (s.error && !out.error) out.error = s.error;
-  }
-  return out;
-}
-
-// The path and port of what makes an output, also inside of subgraphs. Of elements, the first.
-export function placeOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { path: string; port: string } | undefined {
-  const at = node.graph || node.bypass ? node.inner?.[port] : { path: node.name, port };
-  if (!at) return undefined;
-  const path = nodes[at.path] ? at.path : Object.keys(nodes).find(p => bare(p) === at.path);
-  return path === undefined ? undefined : { path, port: at.port };
-}
-
-function outputOf(node: DocNode, port: string, nodes: Record<string, NodeState>): { state: NodeState; port: string } | undefined {
-  const at = placeOf(node, port, nodes);
-  return at && { state: nodes[at.path], port: at.port };
-}
-
-export function valueOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
-  const at = outputOf(node, port, nodes);
-  return at?.state.outputs[at.port];
-}
-
-// What the node has made of a value so far, while it computes.
-export function previewOf(node: DocNode, port: string, nodes: Record<string, NodeState>): OutputValue | undefined {
-  const at = outputOf(node, port, nodes), preview = at?.state.previews[at.port];
-  return preview && { type: preview.type, hash: `preview/${preview.number}`, bytes: 0 };
-}
-
-export function splitWire(wire: string, doc: Doc, types: Map<string, NodeType>): Target {
-  const dot = wire.lastIndexOf('.');
-  if (dot > wire.lastIndexOf(']')) return { node: bare(wire.slice(0, dot)), port: wire.slice(dot + 1) };
-  const node = doc.nodes.find(n => n.name === bare(wire));
-  return { node: bare(wire), port: (node && declarationOf(node, types)?.outputs[0]?.name) ?? '' };
-}
-
-// The nearest value of a type, upstream or downstream of a node.
-export function nearest(from: string, type: string, direction: 'up' | 'down', s: Pick<Store, 'doc' | 'inside' | 'types' | 'nodes'>): { target: Target; value: OutputValue } | null {
-  const { types, nodes } = s, doc = shownDoc(s);
-  if (!doc) return null;
-  const seen = new Set([from]);
-  let front = [from];
-  while (front.length) {
-    const next: string[] = [];
-    for (const name of front) {
-      const around = direction === 'up'
-        ? Object.values(doc.nodes.find(n => n.name === name)?.inputs ?? {}).flat().map(w => splitWire(w, doc, types))
-        : doc.nodes.filter(n => Object.values(n.inputs).flat().some(w => splitWire(w, doc, types).node === name))
-          .flatMap(n => (declarationOf(n, types)?.outputs ?? []).map(p => ({ node: n.name, port: p.name })));
-      for (const target of around) {
-        const node = doc.nodes.find(n => n.name === target.node);
-        const value = node && valueOf(node, target.port, nodes);
-        if (value?.type === type) return { target, value };
-        if (!seen.has(target.node)) seen.add(target.node), next.push(target.node);
-      }
-    }
-    front = next;
-  }
-  return null;
 }

@@ -1,4 +1,5 @@
-import { edit, fullName, select, shownDoc, sourceOf, splitWire, useStore, type Edit } from './store';
+import { shownDoc, splitWire } from './states';
+import { edit, fullName, select, sourceOf, useStore, type Edit } from './store';
 import type { Pen, Point } from './pen';
 import type { Doc, DocNode } from './types';
 

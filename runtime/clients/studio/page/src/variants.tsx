@@ -4,7 +4,8 @@ import { useState, type KeyboardEvent } from 'react';
 import { shownTarget } from './follow';
 import { secondsText } from './format';
 import { Facts, hasThumbnail, Thumbnail } from './peek';
-import { declarationOf, placeOf, post, shownDoc, splitWire, useStore } from './store';
+import { declarationOf, placeOf, shownDoc, splitWire } from './states';
+import { post, useStore } from './store';
 import type { Doc, NodeType, OutputValue, Variant, Variants, Written } from './types';
 
 interface Choice { target: string; group: string; spec: { kind: string; choices: string[]; min?: number; max?: number; min_open?: boolean }; value: Written }

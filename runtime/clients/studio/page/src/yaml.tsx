@@ -1,7 +1,8 @@
 import { useEffect, useMemo, useRef, useState } from 'react';
 import { flushSync } from 'react-dom';
 
-import { change, goToLine, select, shownDoc, useStore } from './store';
+import { shownDoc } from './states';
+import { change, goToLine, select, useStore } from './store';
 
 const lineHeight = 18;
 
