@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "graph/diagnostic.h"
-#include "nodes/bodies/view/settle.h"
+#include "nodes/bodies/view/soil.h"
 #include "nodes/data/indices.h"
 #include "runtime/random.h"
 
@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::uint64_t kPlaceStream = 0x76696577;
 constexpr double kMostStones = 4e6;
-// How far below the cut loose stones settle, in diameters of the largest one: deeper ones are hidden.
-constexpr float kLooseDepth = 1.5f;
-// Up to how far above the cut loose stones are poured on, in their own heights: one more layer of each size.
-constexpr double kPoured = 1;
 
 void require_few(const Particles& particles, const Vec2& picture, double margin) {
   constexpr int kCopies = 2;  // of each along z
@@ -33,21 +29,22 @@ void require_few(const Particles& particles, const Vec2& picture, double margin)
         .parameter("width");
 }
 
-}  // namespace
-
-std::vector<BedPlace> choose_places(int pictures, const Vec3& box, std::uint64_t seed) {
-  const double start = Random(seed, kPlaceStream).uniform();
-  std::vector<BedPlace> places;
-  for (int k = 0; k < pictures; ++k) {
-    Random random(seed, kPlaceStream, 1 + k);
-    BedPlace place;
-    place.height = box.z() * (k + start) / pictures;
-    place.corner.x() = box.x() * random.uniform();
-    place.corner.y() = box.y() * random.uniform();
-    places.push_back(place);
+// Whether no particle crosses the upper face of the box.
+bool has_top(const Particles& particles, const Shapes& shapes) {
+  const double rounding = 1e-6 * particles.box.z();
+  for (std::size_t i = 0; i < particles.count(); ++i) {
+    if (particles.is_void(i)) continue;
+    const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
+    const Vec3 up = particles.scale[i] * turn.row(2).transpose();
+    for (const Vec3& v : shapes.shapes[particles.shape[i]].mesh.vertices) {
+      const double z = particles.position[i].z() + up.dot(v);
+      if (z < -rounding || z > particles.box.z() + rounding) return false;
+    }
   }
-  return places;
+  return true;
 }
+
+}  // namespace
 
 StoneMeshes::StoneMeshes(const Shapes& shapes) {
   for (const Shape& shape : shapes.shapes) {
@@ -69,8 +66,24 @@ double StoneMeshes::largest(const Particles& particles) const {
   return most;
 }
 
+std::vector<BedPlace> choose_places(int pictures, const Particles& particles, const Shapes& shapes,
+                                    std::uint64_t seed) {
+  const Vec3& box = particles.box;
+  const double start = has_top(particles, shapes) ? 0 : Random(seed, kPlaceStream).uniform();
+  std::vector<BedPlace> places;
+  for (int k = 0; k < pictures; ++k) {
+    Random random(seed, kPlaceStream, 1 + k);
+    BedPlace place;
+    place.height = start > 0 ? box.z() * (k + start) / pictures : box.z();
+    place.corner.x() = box.x() * random.uniform();
+    place.corner.y() = box.y() * random.uniform();
+    places.push_back(place);
+  }
+  return places;
+}
+
 Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& place, const Vec2& picture,
-         double margin, const BedRest& rest, const Work& work)
+         double margin, const BedSoil* soil, const Work& work)
     : meshes_(meshes),
       origin_(place.corner.x(), place.corner.y(), place.height),
       depth_(particles.box.z()),
@@ -78,13 +91,13 @@ Bed::Bed(const Particles& particles, const StoneMeshes& meshes, const BedPlace& 
   require_few(particles, picture, margin);
   std::vector<carving::RayScene::Instance> instances;
   for (std::size_t i = 0; i < particles.count(); ++i)
-    if (!particles.is_void(i)) add_copies(particles, i, picture, margin, rest.covered.has_value(), instances);
-  let_settle(instances, picture, rest, work);
+    if (!particles.is_void(i)) add_copies(particles, i, picture, margin, instances);
+  if (soil) leave_in_soil(instances, picture, *soil, work);
   scene_ = std::make_unique<carving::RayScene>(meshes.triangles, instances);
 }
 
 void Bed::add_copies(const Particles& particles, int particle, const Vec2& picture, double margin,
-                     bool in_soil, std::vector<carving::RayScene::Instance>& instances) {
+                     std::vector<carving::RayScene::Instance>& instances) {
   const Vec3& box = particles.box;
   const Vec3 at = particles.position[particle] - origin_;
   const Mat3 turn = particles.orientation[particle].normalized().toRotationMatrix();
@@ -97,8 +110,7 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   instance.linear = (turn * particles.scale[particle]).cast<float>();
   const float reach = reach_below(meshes_.triangles[instance.mesh], instance.linear);
   std::vector<double> heights{at.z() - std::ceil(at.z() / box.z()) * box.z()};  // of centers
-  if (const double above = heights[0] + box.z(); in_soil || above <= reach * (1 + 2 * kPoured))
-    heights.push_back(above);
+  if (const double above = heights[0] + box.z(); above <= reach) heights.push_back(above);
   for (const double z : heights)
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {
@@ -110,43 +122,21 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
       }
 }
 
-template <class Stays>
-void Bed::take_away(std::vector<carving::RayScene::Instance>& instances, Stays&& stays) {
+void Bed::leave_in_soil(std::vector<carving::RayScene::Instance>& instances, const Vec2& picture,
+                        const BedSoil& soil, const Work& work) {
+  std::vector<float> exposures;
+  for (std::size_t i = 0; i < stones_.size(); ++i)
+    exposures.push_back(instances[i].offset.z() / stones_[i].reach);
+  const float most =
+      exposure_of_share(meshes_.triangles, instances, exposures, {picture, soil.cell}, soil.covered, work);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < stones_.size(); ++i) {
-    if (!stays(i)) continue;
+    if (exposures[i] > most) continue;
     stones_[kept] = stones_[i];
     instances[kept++] = instances[i];
   }
   stones_.resize(kept);
   instances.resize(kept);
-}
-
-void Bed::let_settle(std::vector<carving::RayScene::Instance>& instances, const Vec2& picture,
-                     const BedRest& rest, const Work& work) {
-  SettleOptions options;
-  options.picture = picture;
-  options.largest = top_;
-  options.cell = rest.cell;
-  options.deepest = static_cast<float>(-depth_);
-  options.level = -kLooseDepth * top_;
-  if (rest.covered) {
-    options.soil = options.level = 0;
-    std::vector<float> exposures;
-    for (std::size_t i = 0; i < stones_.size(); ++i)
-      exposures.push_back(instances[i].offset.z() / stones_[i].reach);
-    const float most =
-        exposure_of_share(meshes_.triangles, instances, exposures, options, *rest.covered, work.part(0, 0.3));
-    take_away(instances, [&](std::size_t i) { return instances[i].offset.z() / stones_[i].reach <= most; });
-  }
-  const std::vector<carving::RayScene::Instance> before = instances;
-  settle(meshes_.triangles, instances, options, work.part(0.3, 1));
-  for (std::size_t i = 0; i < stones_.size(); ++i)
-    stones_[i].to_packing += before[i].offset - instances[i].offset;
-  // Soil holds the stones that it touches. None rest on others as in a heap. Loose stones that are poured on
-  // stay where they fill a hole.
-  const float touching = 1e-3F * top_;  // rounding lifts stones a little
-  take_away(instances, [&](std::size_t i) { return instances[i].offset.z() - stones_[i].reach <= touching; });
 }
 
 bool Bed::below(float x, float y, BedPoint& point) const {

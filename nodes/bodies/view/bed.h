@@ -17,20 +17,15 @@ namespace terrazzo::view {
 
 // Where the packing is cut, and what the picture shows of it.
 struct BedPlace {
-  double height = 0;           // mm; loose stones that are wholly above it are taken away
+  double height = 0;           // mm; stones that are wholly above it are taken away
   Vec2 corner = Vec2::Zero();  // mm, the picture's lower left corner; x to the right, y upwards
 };
 
-// What the stones near the cut settle on, and how exactly.
-struct BedRest {
-  double cell = 0;  // mm, of the map of heights; coarser in large pictures
-  // The share of the picture that stones cover before they settle; soil fills the bed up to the cut. Nothing:
-  // no soil within one period, so stones lie on each other.
-  std::optional<double> covered;
+// Soil that fills the bed up to the cut.
+struct BedSoil {
+  double cell = 0;     // mm, of the cells whose cover is counted; coarser in large pictures
+  double covered = 0;  // the share of the picture that stones cover
 };
-
-// Heights evenly spaced over one period of the box, from a random start, and random corners.
-std::vector<BedPlace> choose_places(int pictures, const Vec3& box, std::uint64_t seed);
 
 // The meshes of all shapes, which many beds can use.
 struct StoneMeshes {
@@ -44,6 +39,10 @@ struct StoneMeshes {
   double largest(const Particles&) const;
 };
 
+// Heights evenly spaced over one period of the box, from a random start, and random corners. Stones that fell
+// (no particle crosses the box's upper face) are seen from the top of the box.
+std::vector<BedPlace> choose_places(int pictures, const Particles&, const Shapes&, std::uint64_t seed);
+
 // A point of a surface.
 struct BedPoint {
   int stone = -1;  // number in the bed; −1: the soil
@@ -55,14 +54,13 @@ struct BedPoint {
 // Positions are in mm from the picture's lower left corner; z is the height above the cut. Every particle
 // that is no void lies in the bed with its copy within one period below the cut, with the one above if that
 // reaches the cut, and with all copies along x and y whose centers are in the picture or in a margin around
-// it. In soil, the one above stays up to the exposure at which stones cover their share. Then the stones near
-// the cut settle, each copy by itself.
+// it. Soil holds stones only up to the exposure at which they cover their share.
 class Bed {
  public:
-  // `picture`: width and height, mm; `margin`: mm. The meshes must outlive the bed. Throws Error
-  // "too-many-particles" and "bad-number".
+  // `picture`: width and height, mm; `margin`: mm; `soil` may be null. The meshes must outlive the bed.
+  // Throws Error "too-many-particles" and "bad-number".
   Bed(const Particles&, const StoneMeshes&, const BedPlace&, const Vec2& picture, double margin,
-      const BedRest&, const Work& = {});
+      const BedSoil* soil, const Work& = {});
 
   // The first stone below a point of the picture.
   bool below(float x, float y, BedPoint&) const;
@@ -85,13 +83,10 @@ class Bed {
     Vec3f to_packing;  // mm, added to positions
     float reach;       // mm, from its center down to its lowest point
   };
-  void add_copies(const Particles&, int particle, const Vec2& picture, double margin, bool in_soil,
+  void add_copies(const Particles&, int particle, const Vec2& picture, double margin,
                   std::vector<carving::RayScene::Instance>&);
-  // Of copies for which the function is false, given their number.
-  template <class Stays>
-  void take_away(std::vector<carving::RayScene::Instance>&, Stays&&);
-  void let_settle(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedRest&,
-                  const Work&);
+  void leave_in_soil(std::vector<carving::RayScene::Instance>&, const Vec2& picture, const BedSoil&,
+                     const Work&);
 
   const StoneMeshes& meshes_;
   Vec3 origin_;  // of positions, in the packing

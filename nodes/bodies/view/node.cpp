@@ -84,10 +84,10 @@ std::optional<float> mean_brightness(const Profiles& photograph) {
   return static_cast<float>(sum / area);
 }
 
-SurfaceOptions surface_options(const Context& c, const section::SectionLayout& layout, const Vec3& box,
-                               const Profiles* photograph) {
+SurfaceOptions surface_options(const Context& c, const section::SectionLayout& layout,
+                               const Particles& particles, const Shapes& shapes, const Profiles* photograph) {
   SurfaceOptions options;
-  options.places = choose_places(count_of(layout.planes), box, c.seed());
+  options.places = choose_places(count_of(layout.planes), particles, shapes, c.seed());
   options.width = layout.width;
   options.height = layout.height;
   options.pixels_x = layout.pixels_x;
@@ -110,7 +110,7 @@ void show_stones(Context& c, const section::SectionLayout& layout, const Profile
                  const residual::ResidualField* field) {
   const auto& particles = c.input<Particles>("particles");
   const auto& shapes = c.input<Shapes>("shapes");
-  SurfaceOptions options = surface_options(c, layout, particles.box, photograph);
+  SurfaceOptions options = surface_options(c, layout, particles, shapes, photograph);
   std::optional<residual::Skins> skins;
   if (const Detail* detail = c.optional<Detail>("detail")) {
     const double azimuth = options.light.azimuth * std::numbers::pi / 180;
@@ -207,7 +207,7 @@ namespace terrazzo {
 
 NodeType view_node() {
   using namespace view;
-  NodeType type("View", 11);
+  NodeType type("View", 12);
   type.doc_(
           "Shows the material as its photograph does: a plane section, or stones seen from above. Compare it "
           "with the photograph.")

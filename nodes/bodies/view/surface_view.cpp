@@ -83,15 +83,14 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
   const float albedo = std::min(kMostReflected, mean_color(particles));
   SurfaceView out = empty_view(particles, options);
   const int pictures = count_of(options.places);
-  BedRest rest;
-  rest.cell = options.pixel_size;
-  if (!options.loose) rest.covered = options.area_fraction;
+  std::optional<BedSoil> soil;
+  if (!options.loose && options.area_fraction) soil = {options.pixel_size, *options.area_fraction};
   for (int k = 0; k < pictures; ++k) {
     work.check();
     const Work part = work.part(double(k) / pictures, double(k + 1) / pictures);
     // Stones within reach around the picture hide about as much of the sky at its border as within.
-    const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach, rest,
-                  part.part(0, 0.2));
+    const Bed bed(particles, meshes, options.places[k], {options.width, options.height}, reach,
+                  soil ? &*soil : nullptr, part.part(0, 0.2));
     const Shader shader(bed, options.light, reach, kLift * options.pixel_size);
     Painter painter(bed, shader, colors, options, albedo, k);
     painter.paint(&out.image.at(0, 0, k), part.part(0.2, 1));

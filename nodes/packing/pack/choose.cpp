@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/rank.h"
 #include "nodes/common/stereology/outline_features.h"
+#include "nodes/packing/deposit/deposit.h"
 #include "nodes/packing/pack/fabric.h"
 
 namespace terrazzo::pack {
@@ -36,29 +37,41 @@ std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& d
   if (stones > kMostStones * count) wide *= std::sqrt(kMostStones * count / stones);
   if (wide.minCoeff() < least) return {};  // populate() leaves out the smallest stones then
   const double deep = std::max(least, std::min(count / (density * wide.prod()), wide.minCoeff()));
-  // Sixteenths of the longest edge, so that whole voxels fill the box at usual resolutions.
-  const double unit = wide.maxCoeff() / 16;
+  // Sixty-fourths of the longest edge, so that whole voxels fill the box at usual resolutions.
+  const double unit = wide.maxCoeff() / 64;
   std::vector<double> edges;
   for (const double edge : {wide.x(), wide.y(), deep}) edges.push_back(unit * std::ceil(edge / unit - 1e-9));
   return edges;
 }
 
-// Stones that lie on each other are not grown into each other: if they jam, they are smaller than requested.
-Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
-                   const Particles* start, packing::PackOptions options, const Work& work) {
+// Stones of a surface are not grown into each other: in soil, if they jam, they are smaller than requested.
+Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, const Profiles& profiles,
+                   const Particles* start, const packing::PackOptions& given, const Work& work) {
+  packing::PackOptions options = bed_options(distribution, profiles, given);
+  Choice choice;
+  if (shows_loose_stones(profiles)) {
+    choice.method = Method::Deposit;
+    choice.packed = packing::deposit_particles(distribution, shapes, options, work);
+    choice.reason = "the photograph shows loose stones: they fell until they rested on each other";
+    return choice;
+  }
   options.on_jam = packing::OnJam::Shrink;
   options.lying = true;
-  options.long_axes = long_axes(*profiles);
-  if (options.population.edges.empty()) options.population.edges = bed_like(*profiles, distribution, options);
-  Choice choice;
   choice.method = Method::Anneal;
   choice.packed = packing::pack_particles(distribution, shapes, start, options, work);
   choice.reason =
-      "the photograph shows a surface: stones lie flat side down and are not grown into each other";
+      "the photograph shows stones in soil: they lie flat side down and are not grown into each other";
   return choice;
 }
 
 }  // namespace
+
+packing::PackOptions bed_options(const SizeDistribution& distribution, const Profiles& profiles,
+                                 packing::PackOptions options) {
+  options.long_axes = long_axes(profiles);
+  if (options.population.edges.empty()) options.population.edges = bed_like(profiles, distribution, options);
+  return options;
+}
 
 double usual_axis_ratio(const Profiles& profiles) {
   std::vector<double> ratios;
@@ -71,7 +84,7 @@ double usual_axis_ratio(const Profiles& profiles) {
 Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
                      const Particles* start, const packing::PackOptions& options, const Work& work) {
   if (profiles != nullptr && profiles->view == View::Surface)
-    return lie_loosely(distribution, shapes, profiles, start, options, work);
+    return lie_loosely(distribution, shapes, *profiles, start, options, work);
   packing::PopulationOptions any = options.population;
   any.fills_space = true;
   const packing::Population population = packing::populate(distribution, shapes, nullptr, any, work.quiet());

@@ -1,5 +1,6 @@
 #include "graph/node_type.h"
 #include "nodes/packing/cells/request.h"
+#include "nodes/packing/deposit/deposit.h"
 #include "nodes/packing/pack/choose.h"
 #include "nodes/packing/rigid/figure.h"
 #include "nodes/packing/rigid/request.h"
@@ -38,6 +39,14 @@ void output_packed(Context& c, const SizeDistribution& distribution, const Shape
   c.output("shapes", shapes);
 }
 
+packing::PackResult deposit(Context& c, const SizeDistribution& distribution, const Shapes& shapes) {
+  packing::PackOptions o;
+  o.population = packing::read_population(c);
+  if (const Profiles* profiles = c.optional<Profiles>("profiles"))
+    o = bed_options(distribution, *profiles, o);
+  return packing::deposit_particles(distribution, shapes, o, c.work());
+}
+
 packing::PackResult anneal(Context& c, const SizeDistribution& distribution, const Shapes& shapes) {
   packing::PackOptions o;
   o.population = packing::read_population(c);
@@ -68,15 +77,20 @@ void compute(Context& c) {
   }
   const bool chosen = method == Method::Auto;
   if (chosen) method = choice.method;
-  for (const auto& [word, value] :
-       {std::pair{"by_anneal", Method::Anneal}, {"by_grow", Method::Grow}, {"by_laguerre", Method::Laguerre}})
+  for (const auto& [word, value] : {std::pair{"by_anneal", Method::Anneal},
+                                    {"by_grow", Method::Grow},
+                                    {"by_laguerre", Method::Laguerre},
+                                    {"by_deposit", Method::Deposit}})
     c.metric(word, method == value);
-  if (method == Method::Anneal) {
-    output_packed(c, distribution, shapes,
-                  chosen ? std::move(choice.packed) : anneal(c, distribution, shapes));
+  if (c.has("start") && method != Method::Anneal)
+    c.warn("`start` has no effect: only method anneal continues from it");
+  if (method == Method::Anneal || method == Method::Deposit) {
+    if (!chosen)
+      choice.packed =
+          method == Method::Anneal ? anneal(c, distribution, shapes) : deposit(c, distribution, shapes);
+    output_packed(c, distribution, shapes, std::move(choice.packed));
     return;
   }
-  if (c.has("start")) c.warn("`start` has no effect: only method anneal continues from it");
   const auto fill = method == Method::Grow ? tessellation::Method::Grow : tessellation::Method::Laguerre;
   FillOptions options = read_fill(c, fill);
   if (choice.joints) {  // stones are irregular
@@ -93,7 +107,7 @@ namespace terrazzo {
 
 NodeType pack_node() {
   using namespace pack;
-  NodeType type("Pack", 12);
+  NodeType type("Pack", 13);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "
@@ -114,12 +128,16 @@ NodeType pack_node() {
               "Histograms of size and, by method, pair correlation and sections per area, or sphericity and "
               "volume error")
       .parameter(
-          Parameter::choice("method", "auto", {"auto", "anneal", "grow", "laguerre"})
-              .doc_("auto: anneal, with the flat side down, if the input `profiles` shows a surface. Else "
+          Parameter::choice("method", "auto", {"auto", "anneal", "grow", "laguerre", "deposit"})
+              .doc_("auto: deposit if the input `profiles` shows loose stones; anneal, with the flat side "
+                    "down, "
+                    "if it shows stones in soil. Else "
                     "laguerre if at least 0.97 of the volume is particles, or 0.75 and the profiles are "
                     "equiaxed; else anneal, or grow if rigid particles jam. anneal: "
                     "rigid particles. grow: particles with flat contacts. "
-                    "laguerre: convex cells of given volumes."))
+                    "laguerre: convex cells of given volumes. deposit: stones that fell onto the bottom of "
+                    "the box "
+                    "and lie on each other, as dense as they come to rest; air above them."))
       .parameter(Parameter::choice("on_jam", "shrink", {"fail", "shrink", "drop"})
                      .doc_("anneal: what to do if the particles cannot be packed, see Anneal"));
   packing::declare_population(type);

@@ -107,7 +107,6 @@ TEST(View, ShowsOneLayerAsItsDiscs) {
 
 TEST(View, HidesWhatLiesBelow) {
   const Particles p = spheres_of({{{5, 5, 6.2}, 1.5}, {{5.3, 5, 0.2}, 0.4}}, 12);
-  // So far below the cut that they do not settle.
   const SurfaceView above = show_surface(p, ball(), whole_box(p, 10.8), nullptr);
   ASSERT_EQ(above.profiles.profiles.size(), 1u);
   EXPECT_EQ(std::get<double>(above.table.rows[0][1]), 0);
@@ -119,17 +118,18 @@ TEST(View, HidesWhatLiesBelow) {
   EXPECT_EQ(below.stones, 2);
 }
 
-// A stone that lies above the cut by less than its height falls into the hole below, next to its copy one
-// period deeper.
-TEST(View, LooseStonesFromAboveFillHoles) {
-  const auto seen = [](double height) {
-    const Particles p = spheres_of({{{5, 5, height}, 1}}, 10);
-    SurfaceOptions options = whole_box(p, 6);
-    options.loose = true;
-    return show_surface(p, ball(), options, nullptr).stones;
+// Stones that fell lie below the top of their box, from which they are seen.
+TEST(View, ShowsFallenStonesFromTheTop) {
+  const Shapes shapes = ball();
+  const auto heights = [&](double lowest) {
+    const Particles p = spheres_of({{{5, 5, lowest}, 1}, {{2, 2, 6}, 1}}, 10);
+    std::vector<double> out;
+    for (const BedPlace& place : choose_places(3, p, shapes, 1)) out.push_back(place.height);
+    return out;
   };
-  EXPECT_EQ(seen(9.2), 1);
-  EXPECT_EQ(seen(8.8), 2);
+  EXPECT_EQ(heights(1.01), (std::vector<double>{10, 10, 10}));
+  const std::vector<double> cut = heights(0.9);  // a packing that repeats upwards
+  EXPECT_NEAR(cut[1] - cut[0], 10.0 / 3, 1e-9);
 }
 
 TEST(View, LeavesVoidsOut) {
@@ -159,7 +159,7 @@ TEST(View, FillsWithSoilUpToThePhotographsShare) {
 
 // Soil lies at the cut, even if the stones cannot cover the photograph's share.
 TEST(View, TooFewStonesLieOnSoil) {
-  SurfaceOptions options = whole_box(four_spheres(), 9);
+  SurfaceOptions options = whole_box(four_spheres(), 5);
   options.area_fraction = 0.6;
   const SurfaceView seen = show_surface(four_spheres(), ball(), options, nullptr);
   EXPECT_EQ(seen.stones, 4);
@@ -182,7 +182,7 @@ TEST(View, ShowsAsManyHeightsOfSmallStonesAsOfLargeOnes) {
     for (std::size_t i = 0; i < all->count(); ++i) spheres.push_back({all->position[i], all->scale[i]});
   const Particles p = spheres_of(spheres, 16);
   SurfaceOptions options = whole_box(p, 0, 320);
-  options.places = choose_places(12, p.box, 1);
+  options.places = choose_places(12, p, ball(), 1);
   // What stones of both sizes within half their height of the cut cover.
   double empty = 1;
   for (const Particles* all : {&large, &small})

@@ -42,7 +42,7 @@ TEST(Pack, ChoosesByDensity) {
   const std::map<double, std::string> expected{{0.35, "by_anneal"}, {0.8, "by_grow"}, {0.985, "by_laguerre"}};
   for (const auto& [fraction, method] : expected) {
     const auto run = pack_any(fraction);
-    for (const char* m : {"by_anneal", "by_grow", "by_laguerre"})
+    for (const char* m : {"by_anneal", "by_grow", "by_laguerre", "by_deposit"})
       EXPECT_EQ(run.metrics.at(m), m == method) << fraction << " " << m;
     EXPECT_NEAR(run.metrics.at("packing_fraction"), fraction, 0.005);
     EXPECT_EQ(run.warnings.empty(), method == "by_anneal");
@@ -50,29 +50,51 @@ TEST(Pack, ChoosesByDensity) {
   }
 }
 
-// Loose stones never grow into each other: they lie flat in a bed as wide as the photograph, as dense as
-// fits.
-TEST(Pack, StonesOfASurfaceLieLoosely) {
-  Profiles surface = ellipses(0.9);
+// Half of the surface in the photograph is light soil.
+Profiles in_soil(double axis_ratio) {
+  Profiles surface = ellipses(axis_ratio);
   surface.view = View::Surface;
   surface.window = Vec2(9, 7);
+  surface.area_fraction = 0.5;
+  surface.binder_color = Vec3f::Constant(0.6f);
+  for (Profile& p : surface.profiles) p.color = Vec3f::Constant(0.3f);
+  return surface;
+}
+
+// Stones in soil never grow into each other: they lie flat in a bed as wide as the photograph, as dense as
+// fits.
+TEST(Pack, StonesInSoilLieFlat) {
+  const Profiles surface = in_soil(0.9);
   const auto bed = pack_any(0.5, {}, &surface);
   EXPECT_EQ(bed.metrics.at("by_anneal"), 1);
   EXPECT_NEAR(bed.metrics.at("packing_fraction"), 0.5, 0.01);
   EXPECT_NEAR(bed.metrics.at("box_x"), 9, 1e-9);
-  EXPECT_NEAR(bed.metrics.at("box_y"), 9 * 13 / 16.0, 1e-9);  // 7, in sixteenths of 9
+  EXPECT_NEAR(bed.metrics.at("box_y"), 9 * 50 / 64.0, 1e-9);  // 7, in sixty-fourths of 9
   const auto dense = pack_any(0.85, {}, &surface);
   EXPECT_EQ(dense.metrics.at("by_anneal"), 1);
   EXPECT_LT(dense.metrics.at("packing_fraction"), 0.8);
   EXPECT_LT(packing::audit(dense.output<Shapes>("shapes"), dense.output<Particles>("particles")).worst, 1e-4);
 }
 
+TEST(Pack, LooseStonesFall) {
+  Profiles surface = in_soil(0.9);
+  surface.area_fraction = 0.95;
+  const auto fallen = pack_any(0.58, {}, &surface);
+  EXPECT_EQ(fallen.metrics.at("by_deposit"), 1);
+  EXPECT_NEAR(fallen.metrics.at("box_x"), 9, 1e-9);
+  const Particles& stones = fallen.output<Particles>("particles");
+  double lowest = 1e9;
+  for (const Vec3& at : stones.position) lowest = std::min(lowest, at.z());
+  EXPECT_LT(lowest, 0.5 * stones.size[0]);  // on the floor
+  const auto chosen = pack_any(0.58, {{"method", "deposit"}, {"size", "[9, 7, 4]"}});
+  EXPECT_EQ(chosen.metrics.at("by_deposit"), 1);
+  EXPECT_NEAR(chosen.metrics.at("box_y"), 7, 1e-9);
+}
+
 // The flat sides of stones that are packed densely stay down, and their long axes where the photograph's
 // point.
-TEST(Pack, StonesOfASurfaceKeepTheirDirection) {
-  Profiles surface = ellipses(0.5);
-  surface.view = View::Surface;
-  surface.window = Vec2(9, 7);
+TEST(Pack, StonesInSoilKeepTheirDirection) {
+  const Profiles surface = in_soil(0.5);
   const auto bed = pack_any(0.6, {}, &surface);
   const Particles& stones = bed.output<Particles>("particles");
   int along = 0;

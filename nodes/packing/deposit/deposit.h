@@ -1,0 +1,20 @@
+// A bed of loose stones: all fall onto a floor, in a box that is periodic in x and y, until they rest on each
+// other.
+#pragma once
+
+#include <vector>
+
+#include "nodes/packing/rigid/packing.h"
+
+namespace terrazzo::packing {
+
+// The particles of populate() in a box with the edges options.population.edges, or an automatic one. They
+// start as loose stones lie (lying.h), along `long_axes`, in random places far above each other. The result's
+// box is as wide, begins at the floor and ends with the highest stone, with air above the others. Stones are
+// taken for convex bodies with 42 corners, so they may overlap by a few percent of their size. Of the
+// options, only population and long_axes count. Throws the errors of populate(), and "too-many-particles"
+// beyond 50,000.
+PackResult deposit_particles(const SizeDistribution& distribution, const Shapes& shapes,
+                             const PackOptions& options, const Work& work = {});
+
+}  // namespace terrazzo::packing
