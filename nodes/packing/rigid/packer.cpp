@@ -91,7 +91,8 @@ void Packer::place() {
   for (std::size_t i = 0; i < radius.size(); ++i)
     radius[i] =
         std::cbrt(0.75 / std::numbers::pi * shapes_.shapes[packing_.shape[i]].volume) * packing_.scale[i];
-  place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet());
+  place_at_random(packing_, population_.kept, radius, options_.population.seed, work_.quiet(),
+                  options_.population.clusters);
   if (options_.lying) {
     lay_flat(packing_, shapes_, population_.kept, options_.long_axes, options_.population.seed);
     packing_.home = packing_.orientation;

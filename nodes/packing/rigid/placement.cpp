@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "nodes/common/geometry/directions.h"
 #include "nodes/common/geometry/periodic.h"
@@ -11,11 +12,25 @@
 namespace terrazzo::packing {
 namespace {
 
-constexpr std::uint64_t kPlace = 0x706c616365, kBlock = 0x626c6f636b;
+constexpr std::uint64_t kPlace = 0x706c616365, kBlock = 0x626c6f636b, kCenter = 0x63656e746572;
 constexpr int kBlocks = 16;  // blocks along an edge, if balls are placed block by block
+constexpr int kTries = 24;
+constexpr double kMostCenters = 1e6;
 
 int octave_of(double radius, double largest) {
   return static_cast<int>(std::clamp(std::log2(largest / radius), 0.0, 12.0));
+}
+
+double volume_of_ball(double radius) { return 4.0 / 3 * std::numbers::pi * radius * radius * radius; }
+
+Vec3 uniform_in(const Vec3& low, const Vec3& edges, Random& random) {
+  return Vec3(low[0] + random.uniform() * edges[0], low[1] + random.uniform() * edges[1],
+              low[2] + random.uniform() * edges[2]);
+}
+
+Vec3 normal_about(const Vec3& center, double spread, const Vec3& box, Random& random) {
+  const double x = random.normal(), y = random.normal();
+  return wrap_point(center + spread * Vec3(x, y, random.normal()), box);
 }
 
 // The balls placed so far, in one grid per octave of radius.
@@ -92,15 +107,37 @@ std::vector<Draw> draws(std::size_t first, const std::vector<double>& radius, do
   return out;
 }
 
+// Centers of clusters, where a ball of a cluster's spread overlaps the balls placed so far the least.
+std::vector<Vec3> centers_of(const Clusters& clusters, const Occupied& occupied, const Vec3& box, double free,
+                             std::uint64_t seed) {
+  const double many = std::min(kMostCenters, std::round(clusters.per_volume() * free));
+  std::vector<Vec3> centers(static_cast<std::size_t>(std::max(1.0, many)));
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    Random random(seed, kCenter, i);
+    double least = 1e300;
+    for (int t = 0; t < kTries && least > 0; ++t) {
+      const Vec3 p(random.uniform() * box[0], random.uniform() * box[1], random.uniform() * box[2]);
+      const double o = occupied.overlap(p, clusters.spread, least);
+      if (o >= least) continue;
+      least = o;
+      centers[i] = p;
+    }
+  }
+  return centers;
+}
+
 }  // namespace
 
 void place_at_random(Packing& packing, std::size_t first, const std::vector<double>& radius,
-                     std::uint64_t seed, const Work& work) {
+                     std::uint64_t seed, const Work& work, const Clusters& clusters) {
   const std::size_t n = packing.count();
   if (n == 0) return;
   Occupied occupied(packing.box, *std::max_element(radius.begin(), radius.end()));
   for (std::size_t i = 0; i < first; ++i) occupied.add(packing.position[i], radius[i]);
-  int tries = 24;  // fewer as the box fills and free positions become rare
+  double free = packing.box.prod();  // that the particles placed so far leave
+  for (std::size_t i = 0; i < first; ++i) free -= volume_of_ball(radius[i]);
+  std::vector<Vec3> centers;
+  int tries = kTries;  // fewer as the box fills and free positions become rare
   double crowded = 0;
   const bool by_block = n - first >= kCached;
   const auto order = by_block ? draws(first, radius, *std::max_element(radius.begin(), radius.end()), seed)
@@ -115,11 +152,14 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
       low = edges.cwiseProduct(Vec3(b % kBlocks, b / kBlocks % kBlocks, b / (kBlocks * kBlocks)));
     }
     Random random(seed, kPlace, i);
+    const bool clustered = packing.size[i] < clusters.below;
+    if (clustered && centers.empty()) centers = centers_of(clusters, occupied, packing.box, free, seed);
+    const Vec3 center = clustered ? centers[random.below(centers.size())] : Vec3::Zero();
     double least = 1e300;
     int t = 0;
     for (; t < tries && least > 0; ++t) {
-      const Vec3 p(low[0] + random.uniform() * edges[0], low[1] + random.uniform() * edges[1],
-                   low[2] + random.uniform() * edges[2]);
+      const Vec3 p = clustered ? normal_about(center, clusters.spread, packing.box, random)
+                               : uniform_in(low, edges, random);
       const double o = occupied.overlap(p, radius[i], least);
       if (o < least) {
         least = o;
@@ -127,10 +167,11 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
       }
     }
     crowded = 0.98 * crowded + 0.02 * (least > 0);
-    tries = crowded > 0.5 ? 8 : 24;
+    tries = crowded > 0.5 ? 8 : kTries;
     const Quat q = random_quaternion(random);
     packing.orientation[i] = q.norm() > 1e-9 ? q.normalized() : Quat::Identity();
     occupied.add(packing.position[i], radius[i]);
+    free -= volume_of_ball(radius[i]);
   }
 }
 

@@ -62,6 +62,8 @@ PopulationOptions read_population(const Context& c) {
   o.count = c.integer("count");
   o.conserve = c.choice<Conserve>("conserve");
   o.seed = c.seed();
+  if (const auto* profiles = c.optional<Profiles>("profiles"))
+    o.clusters = measure_clusters(*profiles, c.work().quiet());
   return o;
 }
 

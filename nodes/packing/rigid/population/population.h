@@ -8,6 +8,7 @@
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
+#include "nodes/packing/rigid/population/clusters.h"
 #include "runtime/work.h"
 
 namespace terrazzo::packing {
@@ -25,6 +26,7 @@ struct PopulationOptions {
   bool all_void = false;
   std::vector<std::int64_t> void_classes;  // classes whose particles are voids
   std::uint64_t seed = 1;
+  Clusters clusters;  // in which small particles are placed
 };
 
 // An automatic box is made larger than for `count` particles, so that it shows many of the largest ones, as
