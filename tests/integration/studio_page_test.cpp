@@ -220,6 +220,9 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
     EXPECT_GT(r[drawing], 12) << drawing;
   EXPECT_EQ(r["turned"], true);
   EXPECT_EQ(r["lit"], true);
+  EXPECT_EQ(r["surrounded"], true);
+  EXPECT_EQ(r["smooth"], true);
+  EXPECT_EQ(r["light"], R"({"surrounding":1,"roughness":0.1})");
   EXPECT_EQ(r["scale"], "0  1 ");
   EXPECT_NE(r["picked"].get<std::string>().find("size"), std::string::npos);
   EXPECT_NE(r["row"].get<std::string>().find("row 3 is selected"), std::string::npos);
@@ -311,6 +314,9 @@ TEST_F(StudioPage, SaysWhatIsWrong) {
   EXPECT_EQ(r["violations"], nlohmann::json::array());
   EXPECT_NE(r["trouble"].get<std::string>().find("there is no file"), std::string::npos) << r["trouble"];
   EXPECT_EQ(r["card"].get<std::string>().rfind("There is no file", 0), 0u) << r["card"];
+  EXPECT_EQ(r["warned"][0], "1 !");
+  EXPECT_NE(r["warned"][1].get<std::string>().find("field of view"), std::string::npos) << r["warned"];
+  EXPECT_EQ(r["warned"][2], "rgb(138, 97, 0)");
   EXPECT_EQ(r["text"], "found picture.png");
   EXPECT_EQ(r["beside"], true);
   EXPECT_EQ(r["line"].get<std::string>().rfind("  sheet: {{", 0), 0u) << r["line"];

@@ -10,7 +10,7 @@ writeFileSync(graph, `terrazzo: 1
 name: Lost
 parameters: {photo: {type: path, default: gone.png}}
 nodes:
-  photo: {type: LoadImage, params: {path: "\${photo}"}}
+  photo: {type: LoadImage, params: {path: "\${photo}", tilt: 5}}
   sheet: {type: ContactSheet, inputs: {images: photo.image}}
 `);
 const { server, address } = await start(program, [graph, '--cache', join(folder, 'cache')], { cwd: folder });
@@ -28,6 +28,9 @@ await report(server, async () => {
   const [chooser] = await Promise.all([page.waitForEvent('filechooser'), page.click('text=Choose a file')]);
   await chooser.setFiles(picture);
   let s = await until('the picture is read', s => s.nodes.sheet?.outputs.image);
+  // It warns, in amber.
+  const warned = card('photo').locator('.warn');
+  result.warned = [await warned.textContent(), await warned.getAttribute('title'), await warned.evaluate(e => getComputedStyle(e).color)];
   result.text = /default: ([^}]+)/.exec(s.document.text)[1];
   result.beside = existsSync(join(folder, result.text));
   await page.locator('.viewer .trouble').waitFor({ state: 'detached' });

@@ -1,7 +1,7 @@
 // node views.mjs TERRAZZO FOLDER CHROMIUM: uses the views of a graph with solids like a user. Prints the observed states as one JSON object.
 import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
-import { launch, report, result, sooner, start, watch } from './session.mjs';
+import { drawn, launch, report, result, sooner, start, watch } from './session.mjs';
 
 const [, , program, folder, executablePath] = process.argv;
 const graph = join(folder, 'solids.yaml');
@@ -62,6 +62,21 @@ await report(server, async () => {
   const dark = await page.locator('.stage3d').screenshot();
   await page.keyboard.press('Shift+ArrowRight');
   result.lit = await turned(page, '.stage3d', dark);
+
+  // A surrounding, and a smoother surface, which the browser remembers.
+  const frame = await page.locator('.stage3d').boundingBox();
+  const solids = () => page.screenshot({ clip: { ...frame, y: frame.y + 40, height: frame.height - 40 } }); // without the fields above them
+  const relit = before => sooner(async () => !before.equals(await solids()), now => now);
+  let former = await solids();
+  await page.selectOption('.look select', 'Studio');
+  await page.locator('.stage3d').focus();
+  result.surrounded = await relit(former);
+  await drawn(page);
+  former = await solids();
+  await page.locator('.look input').fill('0.1');
+  await page.locator('.stage3d').focus();
+  result.smooth = await relit(former);
+  result.light = await page.evaluate(() => localStorage.getItem('terrazzo.light'));
   const place = await page.locator('.stage3d').boundingBox();
   for (const [dx, dy] of [[0, 0], [12, 9], [-14, 6], [20, -16]]) {
     await page.mouse.click(place.x + place.width / 2 + dx, place.y + place.height / 2 + dy);

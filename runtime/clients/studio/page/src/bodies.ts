@@ -6,6 +6,7 @@ import {
 
 import { rampShader } from './ramp';
 import { disposeMesh, sun, type Content } from './stage';
+import { lightShader, lightUniforms } from './studio_light';
 
 export interface ParticleTable {
   count: number; box: Vector3;
@@ -56,8 +57,10 @@ export function readShapes(data: ArrayBuffer): ShapeMesh[] {
 function cuttable(vertexColors = false): MeshLambertMaterial {
   const material = new MeshLambertMaterial({ side: DoubleSide, vertexColors });
   material.onBeforeCompile = shader => {
-    shader.fragmentShader = shader.fragmentShader.replace('#include <dithering_fragment>',
-      '#include <dithering_fragment>\nif (!gl_FrontFacing) gl_FragColor = linearToOutputTexel(vec4(diffuseColor.rgb, 1.0));');
+    Object.assign(shader.uniforms, lightUniforms(sun));
+    shader.fragmentShader = `${lightShader}\n${shader.fragmentShader}`.replace('#include <dithering_fragment>', `#include <dithering_fragment>
+      if (surrounding > 0.5) gl_FragColor = linearToOutputTexel(vec4(reflected(diffuseColor.rgb, inverseTransformDirection(normal, viewMatrix), inverseTransformDirection(normalize(vViewPosition), viewMatrix)), 1.0));
+      if (!gl_FrontFacing) gl_FragColor = linearToOutputTexel(vec4(diffuseColor.rgb, 1.0));`);
   };
   return material;
 }
@@ -182,12 +185,11 @@ void main() {
   gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
 }`;
 const blockFragment = `
-precision highp sampler3D;${rampShader}
+precision highp sampler3D;${rampShader}${lightShader}
 uniform bool quantity; // grays are values
 uniform sampler3D voxels;
 uniform vec3 edges, texel, eye;
 uniform vec4 cut;      // what has dot(cut.xyz, p) + cut.w < 0 is hidden
-uniform vec3 sun;
 uniform float level, stride; // level 0: the block is opaque
 in vec3 at;
 out vec4 color;
@@ -197,9 +199,10 @@ void main() {
   vec3 near3 = min(a, b), far3 = max(a, b);
   float t0 = max(max(near3.x, near3.y), max(near3.z, 0.0)), t1 = min(far3.x, min(far3.y, far3.z));
   vec3 face = near3.x >= max(near3.y, near3.z) ? vec3(1, 0, 0) : near3.y >= near3.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
+  vec3 normal = -sign(d) * face;
   float light = dot(face, vec3(0.86, 0.94, 1.0));
   float s = dot(cut.xyz, eye) + cut.w, ds = dot(cut.xyz, d);
-  if (ds > 0.0 && -s / ds > t0) { t0 = -s / ds; light = 1.0; }
+  if (ds > 0.0 && -s / ds > t0) { t0 = -s / ds; light = 1.0; normal = -normalize(cut.xyz); }
   if (ds < 0.0) t1 = min(t1, -s / ds);
   if (ds == 0.0 && s < 0.0) discard;
   if (t0 >= t1) discard;
@@ -217,8 +220,10 @@ void main() {
     vec3 n = vec3(read(p - vec3(texel.x, 0, 0)).a - read(p + vec3(texel.x, 0, 0)).a, read(p - vec3(0, texel.y, 0)).a - read(p + vec3(0, texel.y, 0)).a,
       read(p - vec3(0, 0, texel.z)).a - read(p + vec3(0, 0, texel.z)).a);
     float l = length(n);
+    if (l > 0.0) normal = n / l;
     light = l > 0.0 ? 0.42 + 0.62 * max(dot(n / l, sun), 0.0) : 0.8;
   }
+  if (surrounding > 0.5 && !quantity) { color = vec4(pow(min(reflected(pow(c.rgb, vec3(2.2)), normal, -d), 1.0), vec3(1.0 / 2.2)), 1.0); return; }
   color = vec4((quantity ? ramp(c.r) : c.rgb) * light, 1.0);
 }`;
 
@@ -234,7 +239,7 @@ export function voxelBlock(data: ArrayBuffer, edges: Vector3, quantity = false):
     glslVersion: GLSL3, vertexShader: blockVertex, fragmentShader: blockFragment, side: BackSide,
     uniforms: {
       voxels: { value: texture }, edges: { value: edges }, texel: { value: texel }, eye: { value: new Vector3() }, cut: { value: new Vector4(0, 0, 0, 1) },
-      sun: { value: sun }, quantity: { value: quantity }, level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
+      ...lightUniforms(sun), quantity: { value: quantity }, level: { value: 0 }, stride: { value: 0.8 * Math.min(texel.x, texel.y, texel.z) },
     },
   });
   const mesh = new Mesh(new BoxGeometry(edges.x, edges.y, edges.z).translate(edges.x / 2, edges.y / 2, edges.z / 2), material);

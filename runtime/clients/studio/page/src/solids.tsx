@@ -10,6 +10,7 @@ import { SavePicture } from './save_picture';
 import { nearest, shownDoc, splitWire, valueOf } from './states';
 import { useStore } from './store';
 import { hasWebGL, Stage, type Content } from './stage';
+import { look, setLook, surroundings } from './studio_light';
 import type { DocNode, OutputValue } from './types';
 
 export const webGL = hasWebGL();
@@ -69,7 +70,8 @@ export function StageView({ solid, before, plane, onPlane, onPick, label, childr
   solid: Solid | null; before?: Solid | null; plane?: Plane | null; onPlane?: (p: Plane) => void; onPick?: (hit: ReturnType<Stage['pick']>) => void; label: string; children?: ReactNode;
 }) {
   const host = useRef<HTMLDivElement>(null), stage = useRef<Stage | null>(null);
-  const [share, setShare] = useState(0.5);
+  const [share, setShare] = useState(0.5), [, redraw] = useState(0);
+  const light = (surrounding: number, roughness: number) => { setLook(surrounding, roughness), redraw(n => n + 1); };
   const down = useRef<[number, number] | null>(null);
   useEffect(() => {
     const made = new Stage(host.current!);
@@ -109,6 +111,11 @@ export function StageView({ solid, before, plane, onPlane, onPick, label, childr
       onDoubleClick={() => { if (solid) stage.current?.lookAt(solid.content.box, new Vector3(-0.55, -1, 0.62)); }}>
       <SavePicture canvases={() => (stage.current ? [stage.current.picture()] : [])} />
       {before && <Wipe share={share} set={setShare} label="before" />}
+      <div className="look" onPointerDown={e => e.stopPropagation()} onDoubleClick={e => e.stopPropagation()}>
+        <select aria-label="Light" title="What lights the solid" value={look.surrounding.value} onChange={e => light(Number(e.target.value), look.roughness.value)}>
+          {surroundings.map((name, k) => <option key={name} value={k}>{name}</option>)}</select>
+        {look.surrounding.value > 0 && <label>Roughness <input type="range" min={0} max={1} step={0.01} value={look.roughness.value} onChange={e => light(look.surrounding.value, Number(e.target.value))} /></label>}
+      </div>
       {children}
     </div>
   );
