@@ -200,9 +200,10 @@ void main() {
   float t0 = max(max(near3.x, near3.y), max(near3.z, 0.0)), t1 = min(far3.x, min(far3.y, far3.z));
   vec3 face = near3.x >= max(near3.y, near3.z) ? vec3(1, 0, 0) : near3.y >= near3.z ? vec3(0, 1, 0) : vec3(0, 0, 1);
   vec3 normal = -sign(d) * face;
+  bool plain = false; // the cut, which shows its colors
   float light = dot(face, vec3(0.86, 0.94, 1.0));
   float s = dot(cut.xyz, eye) + cut.w, ds = dot(cut.xyz, d);
-  if (ds > 0.0 && -s / ds > t0) { t0 = -s / ds; light = 1.0; normal = -normalize(cut.xyz); }
+  if (ds > 0.0 && -s / ds > t0) { t0 = -s / ds; light = 1.0; plain = true; }
   if (ds < 0.0) t1 = min(t1, -s / ds);
   if (ds == 0.0 && s < 0.0) discard;
   if (t0 >= t1) discard;
@@ -220,10 +221,11 @@ void main() {
     vec3 n = vec3(read(p - vec3(texel.x, 0, 0)).a - read(p + vec3(texel.x, 0, 0)).a, read(p - vec3(0, texel.y, 0)).a - read(p + vec3(0, texel.y, 0)).a,
       read(p - vec3(0, 0, texel.z)).a - read(p + vec3(0, 0, texel.z)).a);
     float l = length(n);
+    plain = false;
     if (l > 0.0) normal = n / l;
     light = l > 0.0 ? 0.42 + 0.62 * max(dot(n / l, sun), 0.0) : 0.8;
   }
-  if (surrounding > 0.5 && !quantity) { color = vec4(pow(min(reflected(pow(c.rgb, vec3(2.2)), normal, -d), 1.0), vec3(1.0 / 2.2)), 1.0); return; }
+  if (surrounding > 0.5 && !quantity && !plain) { color = vec4(pow(min(reflected(pow(c.rgb, vec3(2.2)), normal, -d), 1.0), vec3(1.0 / 2.2)), 1.0); return; }
   color = vec4((quantity ? ramp(c.r) : c.rgb) * light, 1.0);
 }`;
 
