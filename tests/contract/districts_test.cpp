@@ -26,11 +26,13 @@ const std::vector<std::string> kDistricts = {"data",         "common",  "photogr
 
 // Libraries of districts, by level. A library may include those of lower levels in its district.
 const std::map<std::string, int> kLibraries = {
-    {"common/geometry", 0},      {"common/texture", 1},   {"common/stereology", 2}, {"common/plot", 2},
-    {"common/statistics", 2},    {"common/io", 2},        {"common/gl", 2},         {"photograph/marks", 0},
-    {"sizes/unfolding", 0},      {"packing/rigid", 0},    {"packing/cells", 1},     {"solids/synthesis", 0},
-    {"solids/patch_fill", 1},    {"media/micrograph", 0}, {"media/annealing", 1},   {"detail/residual", 0},
-    {"cooccurrence/strokes", 0}, {"volumes/blocks", 0},   {"bodies/carving", 0},    {"bodies/cutting", 0},
+    {"common/geometry", 0},  {"common/texture", 1},    {"common/stereology", 2},
+    {"common/plot", 2},      {"common/statistics", 2}, {"common/io", 2},
+    {"common/gl", 2},        {"photograph/marks", 0},  {"sizes/unfolding", 0},
+    {"packing/rigid", 0},    {"packing/cells", 1},     {"packing/deposit", 1},
+    {"solids/synthesis", 0}, {"solids/patch_fill", 1}, {"media/micrograph", 0},
+    {"media/annealing", 1},  {"detail/residual", 0},   {"cooccurrence/strokes", 0},
+    {"volumes/blocks", 0},   {"bodies/carving", 0},    {"bodies/cutting", 0},
     {"textures/relief", 0}};
 const int kNode = 2, kProgram = 3;  // levels of node folders, and of programs that use them
 // Within solids/synthesis. The files at its top have the last level.
