@@ -6,7 +6,10 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "nodes/common/geometry/mesh/convex_hull.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/packing/rigid/contact/distance_field.h"
 
 namespace terrazzo::packing {
@@ -17,7 +20,7 @@ constexpr btScalar kStep = 1.0 / 60;  // s
 constexpr btScalar kMostSpeed = 8;    // usual diameters per s; faster bodies would pass through others
 constexpr btScalar kFriction = 0.6;   // of stone on stone
 constexpr btScalar kRolling = 0.02;   // balls would roll forever
-constexpr double kSkin = 0.01;        // diameters by which surfaces stay apart
+constexpr double kMargin = 0.02;      // radii around hulls, within which contacts are found fast
 constexpr btScalar kAir = 0.1, kAirTurning = 0.3;  // shares of speed that air takes per second
 constexpr btScalar kCalm = 0.6;                    // the same once bodies are to come to rest
 constexpr int kIterations = 20;                    // of the contact solver
@@ -101,16 +104,28 @@ FallingShape::FallingShape(const Mesh& mesh) {
     radius = reach;
     return;
   }
+  const Mesh whole = convex_hull(mesh.vertices);
   btConvexHullShape all;
-  for (const Vec3& v : mesh.vertices) all.addPoint(to_bullet(v / reach), false);
+  for (const Vec3& v : whole.vertices) all.addPoint(to_bullet(v / reach), false);
   all.recalcLocalAabb();
   all.setMargin(0);
   btShapeHull hull(&all);
   hull.buildHull(0);
+  Mesh few;
   for (int k = 0; k < hull.numVertices(); ++k) {
     const btVector3& p = hull.getVertexPointer()[k];
-    corners.push_back(reach * Vec3(p.x(), p.y(), p.z()));
+    few.vertices.push_back(reach * Vec3(p.x(), p.y(), p.z()));
   }
+  const unsigned int* index = hull.getIndexPointer();
+  for (int t = 0; t < hull.numTriangles(); ++t, index += 3)
+    few.triangles.push_back(
+        {static_cast<int>(index[0]), static_cast<int>(index[1]), static_cast<int>(index[2])});
+  // Few corners and the margin around them together have the volume of the whole hull.
+  const double volume = mesh_volume(whole);
+  const double usual = std::cbrt(0.75 / std::numbers::pi * volume);
+  margin = kMargin * usual;
+  const double larger = std::cbrt(volume / std::abs(mesh_volume(few))) * (1 - kMargin);
+  for (const Vec3& v : few.vertices) corners.push_back(larger * v);
 }
 
 struct FallingBodies::World {
@@ -159,12 +174,12 @@ void FallingBodies::add(const FallingShape& shape, double scale, const Vec3& pos
   const double by = scale / w.unit;
   FallingBody body;
   if (shape.radius > 0) {
-    body.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(shape.radius * by * (1 + kSkin)));
+    body.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(shape.radius * by));
   } else {
     auto hull = std::make_unique<btConvexHullShape>();
     for (const Vec3& corner : shape.corners) hull->addPoint(to_bullet(corner * by), false);
     hull->recalcLocalAabb();
-    hull->setMargin(static_cast<btScalar>(2 * kSkin * shape.reach * by));
+    hull->setMargin(static_cast<btScalar>(shape.margin * by));
     body.shape = std::move(hull);
   }
   body.reach = static_cast<btScalar>(shape.reach * by);

@@ -9,10 +9,11 @@
 
 namespace terrazzo::packing {
 
-// A mesh as Bullet sees it: a ball, or the convex hull of the mesh.
+// A mesh as Bullet sees it: a ball, or a body with few corners, as large as the convex hull of the mesh.
 struct FallingShape {
   double radius = 0;          // of a ball, mm; 0: no ball
-  std::vector<Vec3> corners;  // of its hull, mm; at most 42
+  std::vector<Vec3> corners;  // mm; at most 42
+  double margin = 0;          // mm, around the hull of the corners
   double reach = 0;           // mm, from the origin to the farthest vertex
 
   explicit FallingShape(const Mesh&);  // centroid at the origin

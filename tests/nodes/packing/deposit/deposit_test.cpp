@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh/convex_hull.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/packing/deposit/falling.h"
 #include "tests/nodes/packing/anneal/packing_support.h"
@@ -65,6 +67,15 @@ TEST(Deposit, BodiesTouchAcrossTheBorder) {
     apart = nearest_image(bodies.position(2) - bodies.position(1), Vec3(10, 10, 1e9));
     EXPECT_GT(apart.norm(), 1.95 * ball.radius) << shift;
   }
+}
+
+// With the few corners that Bullet is given, a stone is as large as it is.
+TEST(Deposit, FallingShapesHaveTheirVolume) {
+  const FallingShape shape(test::ellipsoid(3));
+  ASSERT_EQ(shape.radius, 0);
+  const Mesh hull = convex_hull(shape.corners);
+  const double volume = mesh_volume(hull), truth = mesh_volume(test::ellipsoid(3));
+  EXPECT_NEAR((volume + shape.margin * mesh_surface_area(hull)) / truth, 1, 0.02);
 }
 
 TEST(Deposit, BallsLieAsDenseAsLooseOnesDo) {
