@@ -9,8 +9,6 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/deposit/falling.h"
-#include "nodes/packing/rigid/audit.h"
-#include "nodes/packing/rigid/lying.h"
 #include "nodes/packing/rigid/packer.h"
 #include "nodes/packing/rigid/placement.h"
 
@@ -35,7 +33,7 @@ std::vector<std::optional<FallingShape>> shapes_of(const Shapes& shapes, const P
 
 // Scatters the stones above the floor. Their box becomes as high as that needs.
 Packing scattered(const Particles& particles, const std::vector<std::optional<FallingShape>>& falling,
-                  const Shapes& shapes, const PackOptions& options, const Work& work) {
+                  std::uint64_t seed, const Work& work) {
   Packing packing = packing_of(particles);
   std::vector<double> radius;
   double volume = 0, largest = 0;
@@ -45,8 +43,7 @@ Packing scattered(const Particles& particles, const std::vector<std::optional<Fa
     largest = std::max(largest, radius[i]);
   }
   packing.box.z() = std::max(volume / kScattered / (packing.box.x() * packing.box.y()), 2 * largest);
-  place_at_random(packing, 0, radius, options.population.seed, work);
-  lay_flat(packing, shapes, 0, options.long_axes, options.population.seed);
+  place_at_random(packing, 0, radius, seed, work);
   for (Vec3& p : packing.position) p.z() += largest;
   return packing;
 }
@@ -105,8 +102,8 @@ void fit_height(Particles& p, const Shapes& shapes) {
 }  // namespace
 
 PackResult deposit_particles(const SizeDistribution& distribution, const Shapes& shapes,
-                             const PackOptions& options, const Work& work) {
-  const Population population = populate(distribution, shapes, nullptr, options.population, work.quiet());
+                             const PopulationOptions& options, const Work& work) {
+  const Population population = populate(distribution, shapes, nullptr, options, work.quiet());
   PackResult result;
   result.particles = population.particles;
   result.size_class = population.size_class;
@@ -121,11 +118,11 @@ PackResult deposit_particles(const SizeDistribution& distribution, const Shapes&
                 fmt::format("{} stones would fall; the limit is {}", particles.count(), kMostFalling),
                 "lower `count`, or make the box smaller");
   const auto falling = shapes_of(shapes, particles);
-  const Packing start = scattered(particles, falling, shapes, options, work.part(0, 0.05));
+  const Packing start = scattered(particles, falling, options.seed, work.part(0, 0.05));
   FallingBodies bodies(particles.box.head<2>(), usual_size(particles));
   for (std::size_t i = 0; i < start.count(); ++i)
     bodies.add(*falling[start.shape[i]], start.scale[i], start.position[i], start.orientation[i]);
-  result.iterations = fall(bodies, work.part(0.05, 0.95));
+  result.iterations = fall(bodies, work.part(0.05, 1));
   if (result.iterations == kMostSteps)
     result.notes.push_back("some stones still move: the bed has not come to rest");
   for (std::size_t i = 0; i < start.count(); ++i) {

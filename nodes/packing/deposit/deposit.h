@@ -2,19 +2,16 @@
 // other.
 #pragma once
 
-#include <vector>
-
 #include "nodes/packing/rigid/packing.h"
 
 namespace terrazzo::packing {
 
-// The particles of populate() in a box with the edges options.population.edges, or an automatic one. They
-// start as loose stones lie (lying.h), along `long_axes`, in random places far above each other. The result's
-// box is as wide, begins at the floor and ends with the highest stone, with air above the others. Stones are
-// taken for convex bodies with 42 corners, so they may overlap by a few percent of their size. Of the
-// options, only population and long_axes count. Throws the errors of populate(), and "too-many-particles"
+// The particles of populate() in a box with the edges options.edges, or an automatic one. They start in
+// random places, far apart, and directions. The result's box is as wide, begins at the floor and ends with
+// the highest stone, with air above the others. Stones are taken for convex bodies with up to 42 corners, so
+// they may overlap by a few percent of their size. Throws the errors of populate(), and "too-many-particles"
 // beyond 50,000.
 PackResult deposit_particles(const SizeDistribution& distribution, const Shapes& shapes,
-                             const PackOptions& options, const Work& work = {});
+                             const PopulationOptions& options, const Work& work = {});
 
 }  // namespace terrazzo::packing

@@ -51,7 +51,7 @@ Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, c
   Choice choice;
   if (shows_loose_stones(profiles)) {
     choice.method = Method::Deposit;
-    choice.packed = packing::deposit_particles(distribution, shapes, options, work);
+    choice.packed = packing::deposit_particles(distribution, shapes, options.population, work);
     choice.reason = "the photograph shows loose stones: they fell until they rested on each other";
     return choice;
   }

@@ -44,7 +44,7 @@ packing::PackResult deposit(Context& c, const SizeDistribution& distribution, co
   o.population = packing::read_population(c);
   if (const Profiles* profiles = c.optional<Profiles>("profiles"))
     o = bed_options(distribution, *profiles, o);
-  return packing::deposit_particles(distribution, shapes, o, c.work());
+  return packing::deposit_particles(distribution, shapes, o.population, c.work());
 }
 
 packing::PackResult anneal(Context& c, const SizeDistribution& distribution, const Shapes& shapes) {

@@ -19,10 +19,10 @@ namespace terrazzo {
 namespace {
 using namespace packing;
 
-PackOptions bed_of(double wide, double deep, std::uint64_t seed) {
-  PackOptions options;
-  options.population.edges = {wide, wide, deep};
-  options.population.seed = seed;
+PopulationOptions bed_of(double wide, double deep, std::uint64_t seed) {
+  PopulationOptions options;
+  options.edges = {wide, wide, deep};
+  options.seed = seed;
   return options;
 }
 
