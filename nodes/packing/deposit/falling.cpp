@@ -24,7 +24,7 @@ constexpr double kMargin = 0.02;      // radii around hulls, within which contac
 constexpr btScalar kAir = 0.1, kAirTurning = 0.3;  // shares of speed that air takes per second
 constexpr btScalar kCalm = 0.6;                    // the same once bodies are to come to rest
 constexpr int kIterations = 20;                    // of the contact solver
-constexpr int kFloor = 1, kBody = 2, kImage = 4;   // collision groups
+constexpr int kFloor = 1, kBody = 2, kCopy = 4;    // collision groups
 
 btVector3 to_bullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
@@ -35,8 +35,13 @@ btQuaternion to_bullet_turn(const Quat& q) {
           static_cast<btScalar>(q.w())};
 }
 
-// A body's image one period farther.
-struct Image {
+}  // namespace
+
+// Of World, whose fields may not have types without linkage.
+namespace falling {
+
+// A body's copy one period farther.
+struct Copy {
   std::unique_ptr<btCollisionObject> object;
   btVector3 shift;
 };
@@ -44,11 +49,11 @@ struct Image {
 struct FallingBody {
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> rigid;
-  std::array<Image, 4> images;  // of each pair of opposite neighbors one, so that contacts are found once
+  std::array<Copy, 4> copies;  // of each pair of opposite neighbors one, so that contacts are found once
   btScalar reach = 0;
 };
 
-// Bodies touch images of others. The solver is given these contacts as those of the bodies themselves.
+// Bodies touch copies of others. The solver is given these contacts as those of the bodies themselves.
 class PeriodicSolver : public btSequentialImpulseConstraintSolver {
  public:
   explicit PeriodicSolver(const std::vector<FallingBody>& bodies) : bodies_(bodies) {}
@@ -96,7 +101,7 @@ class PeriodicSolver : public btSequentialImpulseConstraintSolver {
   const std::vector<FallingBody>& bodies_;
 };
 
-}  // namespace
+}  // namespace falling
 
 FallingShape::FallingShape(const Mesh& mesh) {
   for (const Vec3& v : mesh.vertices) reach = std::max(reach, v.norm());
@@ -128,6 +133,8 @@ FallingShape::FallingShape(const Mesh& mesh) {
   for (const Vec3& v : few.vertices) corners.push_back(larger * v);
 }
 
+using namespace falling;
+
 struct FallingBodies::World {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -144,13 +151,13 @@ struct FallingBodies::World {
   ~World() {
     for (FallingBody& body : bodies) {
       dynamics.removeRigidBody(body.rigid.get());
-      for (Image& image : body.images)
-        if (image.object->getBroadphaseHandle()) dynamics.removeCollisionObject(image.object.get());
+      for (Copy& copy : body.copies)
+        if (copy.object->getBroadphaseHandle()) dynamics.removeCollisionObject(copy.object.get());
     }
     dynamics.removeRigidBody(&floor);
   }
   void wrap(FallingBody&);
-  void place_images(FallingBody&);
+  void place_copies(FallingBody&);
 };
 
 FallingBodies::FallingBodies(const Vec2& period, double usual) : world_(std::make_unique<World>()) {
@@ -200,22 +207,22 @@ void FallingBodies::add(const FallingShape& shape, double scale, const Vec3& pos
   body.rigid->setUserIndex(-1);
   body.rigid->setDamping(kAir, kAirTurning);
   rough(*body.rigid);
-  w.dynamics.addRigidBody(body.rigid.get(), kBody, kFloor | kBody | kImage);
+  w.dynamics.addRigidBody(body.rigid.get(), kBody, kFloor | kBody | kCopy);
   const btScalar x = w.period[0], y = w.period[1];
   const std::array<btVector3, 4> shifts{btVector3(x, 0, 0), {0, y, 0}, {x, y, 0}, {-x, y, 0}};
   for (std::size_t k = 0; k < shifts.size(); ++k) {
-    Image& image = body.images[k];
-    image.shift = shifts[k];
-    image.object = std::make_unique<btCollisionObject>();
-    image.object->setCollisionShape(body.shape.get());
-    image.object->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
-    image.object->setUserIndex(static_cast<int>(w.bodies.size()));
-    rough(*image.object);
+    Copy& copy = body.copies[k];
+    copy.shift = shifts[k];
+    copy.object = std::make_unique<btCollisionObject>();
+    copy.object->setCollisionShape(body.shape.get());
+    copy.object->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
+    copy.object->setUserIndex(static_cast<int>(w.bodies.size()));
+    rough(*copy.object);
   }
   w.bodies.push_back(std::move(body));
 }
 
-// Moves a body back that has left the space by more than its images allow for.
+// Moves a body back that has left the space by more than its copies allow for.
 void FallingBodies::World::wrap(FallingBody& body) {
   btTransform at = body.rigid->getWorldTransform();
   bool moved = false;
@@ -232,20 +239,20 @@ void FallingBodies::World::wrap(FallingBody& body) {
   broadphase.getOverlappingPairCache()->cleanProxyFromPairs(body.rigid->getBroadphaseProxy(), &dispatcher);
 }
 
-// Images that no body can reach take no part.
-void FallingBodies::World::place_images(FallingBody& body) {
+// Copies that no body can reach take no part.
+void FallingBodies::World::place_copies(FallingBody& body) {
   const btTransform& at = body.rigid->getWorldTransform();
   const btScalar near = body.reach + 2 * largest;
-  for (Image& image : body.images) {
+  for (Copy& copy : body.copies) {
     btTransform shifted = at;
-    shifted.getOrigin() += image.shift;
+    shifted.getOrigin() += copy.shift;
     const btVector3& p = shifted.getOrigin();
     const bool needed = p.x() > -near && p.x() < period[0] + near && p.y() < period[1] + near;
-    const bool present = image.object->getBroadphaseHandle() != nullptr;
-    image.object->setWorldTransform(shifted);
-    image.object->setInterpolationWorldTransform(shifted);
-    if (needed && !present) dynamics.addCollisionObject(image.object.get(), kImage, kBody);
-    if (!needed && present) dynamics.removeCollisionObject(image.object.get());
+    const bool present = copy.object->getBroadphaseHandle() != nullptr;
+    copy.object->setWorldTransform(shifted);
+    copy.object->setInterpolationWorldTransform(shifted);
+    if (needed && !present) dynamics.addCollisionObject(copy.object.get(), kCopy, kBody);
+    if (!needed && present) dynamics.removeCollisionObject(copy.object.get());
   }
 }
 
@@ -253,7 +260,7 @@ void FallingBodies::step() {
   World& w = *world_;
   for (FallingBody& body : w.bodies) {
     w.wrap(body);
-    w.place_images(body);
+    w.place_copies(body);
   }
   w.dynamics.stepSimulation(kStep, 0);
   for (FallingBody& body : w.bodies) {
