@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::uint64_t kPlaceStream = 0x76696577;
 constexpr double kMostStones = 4e6;
+constexpr double kRounding = 1e-6;  // of heights, in heights of the box
 
 void require_few(const Particles& particles, const Vec2& picture, double margin) {
   constexpr int kCopies = 2;  // of each along z
@@ -29,9 +30,10 @@ void require_few(const Particles& particles, const Vec2& picture, double margin)
         .parameter("width");
 }
 
-// Whether no particle crosses the upper face of the box.
+}  // namespace
+
 bool has_top(const Particles& particles, const Shapes& shapes) {
-  const double rounding = 1e-6 * particles.box.z();
+  const double rounding = kRounding * particles.box.z();
   for (std::size_t i = 0; i < particles.count(); ++i) {
     if (particles.is_void(i)) continue;
     const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
@@ -43,8 +45,6 @@ bool has_top(const Particles& particles, const Shapes& shapes) {
   }
   return true;
 }
-
-}  // namespace
 
 StoneMeshes::StoneMeshes(const Shapes& shapes) {
   for (const Shape& shape : shapes.shapes) {
@@ -69,12 +69,13 @@ double StoneMeshes::largest(const Particles& particles) const {
 std::vector<BedPlace> choose_places(int pictures, const Particles& particles, const Shapes& shapes,
                                     std::uint64_t seed) {
   const Vec3& box = particles.box;
-  const double start = has_top(particles, shapes) ? 0 : Random(seed, kPlaceStream).uniform();
+  const bool top = has_top(particles, shapes);
+  const double start = Random(seed, kPlaceStream).uniform();
   std::vector<BedPlace> places;
   for (int k = 0; k < pictures; ++k) {
     Random random(seed, kPlaceStream, 1 + k);
     BedPlace place;
-    place.height = start > 0 ? box.z() * (k + start) / pictures : box.z();
+    place.height = top ? box.z() : box.z() * (k + start) / pictures;
     place.corner.x() = box.x() * random.uniform();
     place.corner.y() = box.y() * random.uniform();
     places.push_back(place);
@@ -110,7 +111,8 @@ void Bed::add_copies(const Particles& particles, int particle, const Vec2& pictu
   instance.linear = (turn * particles.scale[particle]).cast<float>();
   const float reach = reach_below(meshes_.triangles[instance.mesh], instance.linear);
   std::vector<double> heights{at.z() - std::ceil(at.z() / box.z()) * box.z()};  // of centers
-  if (const double above = heights[0] + box.z(); above <= reach) heights.push_back(above);
+  if (const double above = heights[0] + box.z(); above < reach - 2 * kRounding * box.z())
+    heights.push_back(above);
   for (const double z : heights)
     for (int y = y0; y <= y1; ++y)
       for (int x = x0; x <= x1; ++x) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "nodes/bodies/carving/ray_mesh.h"
@@ -39,8 +38,11 @@ struct StoneMeshes {
   double largest(const Particles&) const;
 };
 
-// Heights evenly spaced over one period of the box, from a random start, and random corners. Stones that fell
-// (no particle crosses the box's upper face) are seen from the top of the box.
+// Whether no particle crosses the upper face of the box, as in a bed of stones that fell.
+bool has_top(const Particles&, const Shapes&);
+
+// Heights evenly spaced over one period of the box, from a random start, and random corners. A packing with a
+// top is seen from there.
 std::vector<BedPlace> choose_places(int pictures, const Particles&, const Shapes&, std::uint64_t seed);
 
 // A point of a surface.

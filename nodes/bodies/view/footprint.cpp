@@ -58,7 +58,6 @@ void cover(Footprint& f, const Vec3f& a, const Vec3f& b, const Vec3f& c) {
       const float v = (ab.x() * py - ab.y() * px) / area;
       if (u < -kShared || v < -kShared || u + v > 1 + kShared) continue;
       const float z = a.z() + u * ab.z() + v * ac.z();
-      f.low(x, y) = std::min(f.low(x, y), z);
       f.high(x, y) = std::max(f.high(x, y), z);
     }
 }
@@ -86,25 +85,13 @@ Footprint footprint_of(const carving::RayScene::Triangles& mesh, const carving::
   constexpr float kNowhere = std::numeric_limits<float>::infinity();
   Footprint f;
   const std::vector<Vec3f> corners = corners_in(mesh, stone, grid, f.cells);
-  f.low = CellMap::Constant(f.cells.width, f.cells.height, kNowhere);
   f.high = CellMap::Constant(f.cells.width, f.cells.height, -kNowhere);
   for (std::size_t t = 0; t + 2 < mesh.indices.size(); t += 3)
     cover(f, corners[mesh.indices[t]], corners[mesh.indices[t + 1]], corners[mesh.indices[t + 2]]);
   const auto lower = [](const Vec3f& a, const Vec3f& b) { return a.z() < b.z(); };
-  const auto [lowest, highest] = std::minmax_element(corners.begin(), corners.end(), lower);
-  f.bottom = lowest->z();
-  f.top = highest->z();
-  cell_of(f.low, *lowest) = f.bottom;
-  cell_of(f.high, *highest) = f.top;
+  const Vec3f& highest = *std::max_element(corners.begin(), corners.end(), lower);
+  cell_of(f.high, highest) = highest.z();
   return f;
-}
-
-void lay(CellMap& map, const CellGrid& grid, const Footprint& f, float z) {
-  const Cells c = f.cells.within(grid);
-  if (c.empty()) return;
-  const auto high = f.high.block(c.x - f.cells.x, c.y - f.cells.y, c.width, c.height);
-  auto below = map.block(c.x, c.y, c.width, c.height);
-  below = below.max(high + z);
 }
 
 }  // namespace terrazzo::view

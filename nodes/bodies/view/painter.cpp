@@ -175,8 +175,7 @@ std::vector<float> Painter::heights_of_stones(const Work& work) const {
   return heights;
 }
 
-// A quantile of the heights above the soil's relief. Soil stays at the cut, on which stones have settled, if
-// there are too few of them.
+// A quantile of the heights above the soil's relief. Soil stays at the cut if there are too few stones.
 float Painter::ground_level(std::vector<float> heights) const {
   const float deepest = -static_cast<float>(bed_.depth());
   if (!options_.area_fraction) return deepest;

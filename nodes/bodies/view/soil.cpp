@@ -74,11 +74,10 @@ float exposure_of_share(const Meshes& meshes, const Stones& stones, const std::v
     if (stones[i].offset.z() + radii[i] > 0 && !around(stones[i], radii[i], grid).empty())
       order.emplace_back(exposures[i], i);
   std::sort(order.begin(), order.end());
-  const Cells picture{grid.margin, grid.margin, grid.width - 2 * grid.margin, grid.height - 2 * grid.margin};
-  const auto wanted = std::llround(share * pixels_in(picture.width, picture.height));
+  const auto wanted = std::llround(share * pixels_in(grid.width, grid.height));
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> covered =
       Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>::Constant(grid.width, grid.height, false);
-  std::int64_t count = 0;  // of covered cells in the picture
+  std::int64_t count = 0;  // of covered cells
   for (const auto& [exposure, i] : order) {
     work.check();
     const Cells near = around(stones[i], radii[i], grid);
@@ -89,7 +88,7 @@ float exposure_of_share(const Meshes& meshes, const Stones& stones, const std::v
       for (int x = c.x; x < c.x + c.width; ++x) {
         if (covered(x, y) || !(f.high(x - f.cells.x, y - f.cells.y) + stones[i].offset.z() > 0)) continue;
         covered(x, y) = true;
-        count += picture.holds(x, y);
+        ++count;
       }
     if (count > wanted) return exposure;
   }

@@ -84,7 +84,8 @@ SurfaceView show_surface(const Particles& particles, const Shapes& shapes, const
   SurfaceView out = empty_view(particles, options);
   const int pictures = count_of(options.places);
   std::optional<BedSoil> soil;
-  if (!options.loose && options.area_fraction) soil = {options.pixel_size, *options.area_fraction};
+  if (!options.loose && options.area_fraction && !has_top(particles, shapes))
+    soil = {options.pixel_size, *options.area_fraction};
   for (int k = 0; k < pictures; ++k) {
     work.check();
     const Work part = work.part(double(k) / pictures, double(k + 1) / pictures);

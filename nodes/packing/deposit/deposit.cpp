@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/deposit/falling.h"
@@ -16,18 +17,22 @@ namespace terrazzo::packing {
 namespace {
 
 // Share of the space above the floor that the balls around the stones fill at first, so loosely that they
-// find places without overlap.
+// overlap little.
 constexpr double kScattered = 0.3;
 constexpr int kMostSteps = 3000;
 constexpr double kSlow = 0.2;  // speed below which the stones are calmed
-constexpr double kAtRest = 0.05;
+constexpr double kAtRest = 0.05, kFalling = 1;
 constexpr std::size_t kMostFalling = 50'000;  // for minutes, not hours
 constexpr int kFewestSteps = 100;             // stones gather speed first
 
-std::vector<std::optional<FallingShape>> shapes_of(const Shapes& shapes, const Particles& particles) {
+std::vector<std::optional<FallingShape>> shapes_of(const Shapes& shapes, const Particles& particles,
+                                                   const Work& work) {
   std::vector<std::optional<FallingShape>> falling(shapes.shapes.size());
-  for (const std::int32_t s : particles.shape)
-    if (!falling[s]) falling[s].emplace(shapes.shapes[s].mesh);
+  for (const std::int32_t s : particles.shape) {
+    if (falling[s]) continue;
+    work.check();
+    falling[s].emplace(shapes.shapes[s].mesh);
+  }
   return falling;
 }
 
@@ -60,12 +65,13 @@ int fall(FallingBodies& bodies, const Work& work) {
   int step = 0;
   double speed = 0;
   for (bool calm = false; step < kMostSteps; ++step) {
-    work.check();
     work.progress(1 - std::exp2(-3.0 * step / kUsualSteps), fmt::format("speed {:.2g}", speed));
-    bodies.step();
+    bodies.step(work);
     speed = bodies.speed();
+    if (!std::isfinite(speed))
+      throw Error("bad-number", "the stones fall with speeds that are not finite", "use other shapes");
     if (step < kFewestSteps) continue;
-    if (speed < kAtRest) break;
+    if (speed < kAtRest && bodies.fastest() < kFalling) break;
     if (!calm && speed < kSlow) {
       calm = true;
       bodies.calm();
@@ -86,9 +92,10 @@ std::pair<double, double> extent_of(const Particles& p, const Shapes& shapes, st
 }
 
 // Moves the particles up or down so that the box begins at the lowest one and ends with the highest one.
-void fit_height(Particles& p, const Shapes& shapes) {
+void fit_height(Particles& p, const Shapes& shapes, const Work& work) {
   double low = 1e300, high = -1e300;
   for (std::size_t i = 0; i < p.count(); ++i) {
+    if (i % 64 == 0) work.check();
     const auto [below, above] = extent_of(p, shapes, i);
     low = std::min(low, below);
     high = std::max(high, above);
@@ -117,11 +124,13 @@ PackResult deposit_particles(const SizeDistribution& distribution, const Shapes&
     throw Error("too-many-particles",
                 fmt::format("{} stones would fall; the limit is {}", particles.count(), kMostFalling),
                 "lower `count`, or make the box smaller");
-  const auto falling = shapes_of(shapes, particles);
+  const auto falling = shapes_of(shapes, particles, work);
   const Packing start = scattered(particles, falling, options.seed, work.part(0, 0.05));
   FallingBodies bodies(particles.box.head<2>(), usual_size(particles));
-  for (std::size_t i = 0; i < start.count(); ++i)
+  for (std::size_t i = 0; i < start.count(); ++i) {
+    if (i % 64 == 0) work.check();
     bodies.add(*falling[start.shape[i]], start.scale[i], start.position[i], start.orientation[i]);
+  }
   result.iterations = fall(bodies, work.part(0.05, 1));
   if (result.iterations == kMostSteps)
     result.notes.push_back("some stones still move: the bed has not come to rest");
@@ -129,7 +138,7 @@ PackResult deposit_particles(const SizeDistribution& distribution, const Shapes&
     particles.position[i] = bodies.position(i);
     particles.orientation[i] = bodies.orientation(i);
   }
-  fit_height(particles, shapes);
+  fit_height(particles, shapes, work);
   return result;
 }
 

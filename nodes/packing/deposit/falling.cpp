@@ -4,10 +4,12 @@
 #include <BulletCollision/CollisionShapes/btShapeHull.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
+#include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/convex_hull.h"
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/packing/rigid/contact/distance_field.h"
@@ -62,16 +64,26 @@ class PeriodicSolver : public btSequentialImpulseConstraintSolver {
                       int contact_count, btTypedConstraint** constraints, int constraint_count,
                       const btContactSolverInfo& info, btIDebugDraw* draw,
                       btDispatcher* dispatcher) override {
+    // In an order that does not depend on addresses, as that of Bullet's tree does.
+    std::vector<btPersistentManifold*> order;
+    std::copy_if(contacts, contacts + contact_count, std::back_inserter(order),
+                 [](const btPersistentManifold* m) { return m->getNumContacts() > 0; });
+    const auto ids = [](const btPersistentManifold* m) {
+      return std::pair(m->getBody0()->getBroadphaseHandle()->m_uniqueId,
+                       m->getBody1()->getBroadphaseHandle()->m_uniqueId);
+    };
+    std::sort(order.begin(), order.end(), [&](const auto* x, const auto* y) { return ids(x) < ids(y); });
     std::vector<Moved> moved;
-    for (int k = 0; k < contact_count; ++k) {
-      const btCollisionObject *a = contacts[k]->getBody0(), *b = contacts[k]->getBody1();
+    for (btPersistentManifold* contact : order) {
+      const btCollisionObject *a = contact->getBody0(), *b = contact->getBody1();
       if (a->getUserIndex() < 0 && b->getUserIndex() < 0) continue;
-      moved.push_back({contacts[k], a, b, shift_of(a), shift_of(b)});
+      moved.push_back({contact, a, b, shift_of(a), shift_of(b)});
       moved.back().shift_points(-1);
-      contacts[k]->setBodies(body_of(a), body_of(b));
+      contact->setBodies(body_of(a), body_of(b));
     }
     const btScalar result = btSequentialImpulseConstraintSolver::solveGroup(
-        objects, count, contacts, contact_count, constraints, constraint_count, info, draw, dispatcher);
+        objects, count, order.data(), static_cast<int>(order.size()), constraints, constraint_count, info,
+        draw, dispatcher);
     for (Moved& m : moved) {
       m.contact->setBodies(m.a, m.b);
       m.shift_points(1);
@@ -79,7 +91,18 @@ class PeriodicSolver : public btSequentialImpulseConstraintSolver {
     return result;
   }
 
+  const Work* work = nullptr;
+
  private:
+  // Once the work is canceled, the rest of the step takes no time.
+  btScalar solveSingleIteration(int iteration, btCollisionObject** objects, int count,
+                                btPersistentManifold** contacts, int contact_count,
+                                btTypedConstraint** constraints, int constraint_count,
+                                const btContactSolverInfo& info, btIDebugDraw* draw) override {
+    if (work->cancelled()) return 0;
+    return btSequentialImpulseConstraintSolver::solveSingleIteration(
+        iteration, objects, count, contacts, contact_count, constraints, constraint_count, info, draw);
+  }
   struct Moved {
     btPersistentManifold* contact;
     const btCollisionObject *a, *b;
@@ -101,6 +124,15 @@ class PeriodicSolver : public btSequentialImpulseConstraintSolver {
   const std::vector<FallingBody>& bodies_;
 };
 
+struct Dispatcher : btCollisionDispatcher {
+  explicit Dispatcher(btCollisionConfiguration* configuration) : btCollisionDispatcher(configuration) {
+    setNearCallback([](btBroadphasePair& pair, btCollisionDispatcher& self, const btDispatcherInfo& info) {
+      if (!static_cast<Dispatcher&>(self).work->cancelled()) defaultNearCallback(pair, self, info);
+    });
+  }
+  const Work* work = nullptr;
+};
+
 }  // namespace falling
 
 FallingShape::FallingShape(const Mesh& mesh) {
@@ -115,7 +147,7 @@ FallingShape::FallingShape(const Mesh& mesh) {
   all.recalcLocalAabb();
   all.setMargin(0);
   btShapeHull hull(&all);
-  hull.buildHull(0);
+  const bool built = hull.buildHull(0);
   Mesh few;
   for (int k = 0; k < hull.numVertices(); ++k) {
     const btVector3& p = hull.getVertexPointer()[k];
@@ -130,14 +162,16 @@ FallingShape::FallingShape(const Mesh& mesh) {
   const double usual = std::cbrt(0.75 / std::numbers::pi * volume);
   margin = kMargin * usual;
   const double larger = std::cbrt(volume / std::abs(mesh_volume(few))) * (1 - kMargin);
+  if (!built || !std::isfinite(larger)) throw Error("bad-shape", "a shape is too thin to fall", "");
   for (const Vec3& v : few.vertices) corners.push_back(larger * v);
+  for (const Vec3& v : corners) reach = std::max(reach, v.norm() + margin);
 }
 
 using namespace falling;
 
 struct FallingBodies::World {
   btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
+  Dispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   std::vector<FallingBody> bodies;
   PeriodicSolver solver{bodies};
@@ -149,6 +183,12 @@ struct FallingBodies::World {
   double unit = 1;       // mm
 
   ~World() {
+    // Without pairs, no removal has to search for them.
+    btOverlappingPairCache& pairs = *broadphase.getOverlappingPairCache();
+    while (const int n = pairs.getNumOverlappingPairs()) {
+      const btBroadphasePair last = pairs.getOverlappingPairArray()[n - 1];
+      pairs.removeOverlappingPair(last.m_pProxy0, last.m_pProxy1, &dispatcher);
+    }
     for (FallingBody& body : bodies) {
       dynamics.removeRigidBody(body.rigid.get());
       for (Copy& copy : body.copies)
@@ -166,7 +206,8 @@ FallingBodies::FallingBodies(const Vec2& period, double usual) : world_(std::mak
   w.period = {static_cast<btScalar>(period.x() / usual), static_cast<btScalar>(period.y() / usual)};
   w.dynamics.setGravity(btVector3(0, 0, -kGravity));
   w.dynamics.getSolverInfo().m_numIterations = kIterations;
-  w.dynamics.getSolverInfo().m_splitImpulse = 1;  // overlaps are removed without adding speed
+  w.broadphase.m_cupdates =
+      100;  // which pairs are near must not depend on the order in which they are listed
   w.dynamics.getSimulationIslandManager()->setSplitIslands(false);
   w.floor.setFriction(kFriction);
   w.floor.setUserIndex(-1);
@@ -228,7 +269,8 @@ void FallingBodies::World::wrap(FallingBody& body) {
   bool moved = false;
   for (int k = 0; k < 2; ++k) {
     btScalar& x = at.getOrigin()[k];
-    if (x >= -largest && x < period[k] + largest) continue;
+    const btScalar beyond = std::clamp((period[k] - 2 * largest) / 2, btScalar(0), largest);
+    if (x >= -beyond && x < period[k] + beyond) continue;
     x -= period[k] * std::floor(x / period[k]);
     moved = true;
   }
@@ -247,8 +289,9 @@ void FallingBodies::World::place_copies(FallingBody& body) {
     btTransform shifted = at;
     shifted.getOrigin() += copy.shift;
     const btVector3& p = shifted.getOrigin();
-    const bool needed = p.x() > -near && p.x() < period[0] + near && p.y() < period[1] + near;
     const bool present = copy.object->getBroadphaseHandle() != nullptr;
+    const btScalar far = present ? near + largest : near;  // so that few come and go
+    const bool needed = p.x() > -far && p.x() < period[0] + far && p.y() < period[1] + far;
     copy.object->setWorldTransform(shifted);
     copy.object->setInterpolationWorldTransform(shifted);
     if (needed && !present) dynamics.addCollisionObject(copy.object.get(), kCopy, kBody);
@@ -256,13 +299,15 @@ void FallingBodies::World::place_copies(FallingBody& body) {
   }
 }
 
-void FallingBodies::step() {
+void FallingBodies::step(const Work& work) {
   World& w = *world_;
+  w.solver.work = w.dispatcher.work = &work;
   for (FallingBody& body : w.bodies) {
     w.wrap(body);
     w.place_copies(body);
   }
   w.dynamics.stepSimulation(kStep, 0);
+  work.check();
   for (FallingBody& body : w.bodies) {
     const btVector3& v = body.rigid->getLinearVelocity();
     if (const btScalar speed = v.length(); speed > kMostSpeed)
@@ -278,6 +323,13 @@ double FallingBodies::speed() const {
   double sum = 0;
   for (const FallingBody& body : world_->bodies) sum += body.rigid->getLinearVelocity().length2();
   return world_->bodies.empty() ? 0 : std::sqrt(sum / static_cast<double>(world_->bodies.size()));
+}
+
+double FallingBodies::fastest() const {
+  double most = 0;
+  for (const FallingBody& body : world_->bodies)
+    most = std::max<double>(most, body.rigid->getLinearVelocity().length());
+  return most;
 }
 
 std::size_t FallingBodies::count() const { return world_->bodies.size(); }

@@ -6,6 +6,7 @@
 
 #include "nodes/data/linear.h"
 #include "nodes/data/shapes.h"
+#include "runtime/work.h"
 
 namespace terrazzo::packing {
 
@@ -14,27 +15,31 @@ struct FallingShape {
   double radius = 0;          // of a ball, mm; 0: no ball
   std::vector<Vec3> corners;  // mm; at most 42
   double margin = 0;          // mm, around the hull of the corners
-  double reach = 0;           // mm, from the origin to the farthest vertex
+  double reach = 0;           // mm, from the origin to the farthest point
 
-  explicit FallingShape(const Mesh&);  // centroid at the origin
+  // The mesh has its centroid at the origin. Throws Error "bad-shape" if it is too thin, and those of
+  // convex_hull().
+  explicit FallingShape(const Mesh&);
 };
 
 // Lengths in mm. The same calls give the same bits, whatever the number of threads.
 class FallingBodies {
  public:
-  // `period`: along x and y, above twice the largest body's diameter; `usual`: diameter of a usual body.
+  // `period`: along x and y, above the largest body's diameter; `usual`: diameter of a usual body.
   FallingBodies(const Vec2& period, double usual);
   ~FallingBodies();
 
-  // `scale`: of the shape. Bodies must not overlap.
+  // `scale`: of the shape. Bodies that overlap push each other away.
   void add(const FallingShape&, double scale, const Vec3& position, const Quat& orientation);
-  // A hundredth of the time in which a usual body falls by five of its diameters.
-  void step();
+  // A sixtieth of the time in which a usual body falls by five of its diameters. Throws Cancelled soon after
+  // the work is canceled.
+  void step(const Work& = {});
   // From now on friction with the air slows the bodies down.
   void calm();
 
   // Root of the mean squared speed, in usual diameters per second of free fall with 10 diameters/s².
   double speed() const;
+  double fastest() const;  // of all bodies, in the same unit
   std::size_t count() const;
   Vec3 position(std::size_t body) const;  // x and y in [0, period)
   Quat orientation(std::size_t body) const;

@@ -109,10 +109,11 @@ std::vector<Draw> draws(std::size_t first, const std::vector<double>& radius, do
 
 // Centers of clusters, where a ball of a cluster's spread overlaps the balls placed so far the least.
 std::vector<Vec3> centers_of(const Clusters& clusters, const Occupied& occupied, const Vec3& box, double free,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, const Work& work) {
   const double many = std::min(kMostCenters, std::round(clusters.per_volume() * free));
   std::vector<Vec3> centers(static_cast<std::size_t>(std::max(1.0, many)));
   for (std::size_t i = 0; i < centers.size(); ++i) {
+    if (i % 64 == 0) work.check();
     Random random(seed, kCenter, i);
     double least = 1e300;
     for (int t = 0; t < kTries && least > 0; ++t) {
@@ -153,7 +154,7 @@ void place_at_random(Packing& packing, std::size_t first, const std::vector<doub
     }
     Random random(seed, kPlace, i);
     const bool clustered = packing.size[i] < clusters.below;
-    if (clustered && centers.empty()) centers = centers_of(clusters, occupied, packing.box, free, seed);
+    if (clustered && centers.empty()) centers = centers_of(clusters, occupied, packing.box, free, seed, work);
     const Vec3 center = clustered ? centers[random.below(centers.size())] : Vec3::Zero();
     double least = 1e300;
     int t = 0;

@@ -38,7 +38,8 @@ std::vector<Section> sections_of(const Profiles& profiles, double below) {
     if (p.section < 0 || p.section >= static_cast<int>(out.size())) continue;
     if (size_of(p) <= below) {
       out[p.section].small.push_back(p.centroid);
-    } else if (p.contour.size() >= 3) {
+    } else {
+      if (p.contour.size() < 3) return {};  // where small ones may lie is unknown
       Outline o{p.contour, p.contour[0], p.contour[0]};
       for (const Vec2& v : p.contour) {
         o.low = o.low.cwiseMin(v);

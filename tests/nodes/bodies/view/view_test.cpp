@@ -130,6 +130,15 @@ TEST(View, ShowsFallenStonesFromTheTop) {
   EXPECT_EQ(heights(1.01), (std::vector<double>{10, 10, 10}));
   const std::vector<double> cut = heights(0.9);  // a packing that repeats upwards
   EXPECT_NEAR(cut[1] - cut[0], 10.0 / 3, 1e-9);
+  // A stone on the floor, which is the top of the copy below, is not seen again on top. Soil covers none from
+  // above.
+  double radius = 0;
+  for (const Vec3& v : shapes.shapes[0].mesh.vertices) radius = std::max(radius, v.z());
+  const Particles p = spheres_of({{{5, 5, radius}, 1}, {{2, 2, 6}, 1}}, 10);
+  SurfaceOptions options = whole_box(p, 10);
+  EXPECT_EQ(show_surface(p, shapes, options, nullptr).stones, 2);
+  options.area_fraction = 0.01;
+  EXPECT_EQ(show_surface(p, shapes, options, nullptr).stones, 1);
 }
 
 TEST(View, LeavesVoidsOut) {
