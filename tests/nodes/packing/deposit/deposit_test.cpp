@@ -13,6 +13,7 @@
 #include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/periodic.h"
 #include "nodes/packing/deposit/falling.h"
+#include "nodes/packing/rigid/audit.h"
 #include "runtime/random.h"
 #include "tests/nodes/packing/anneal/packing_support.h"
 #include "tests/support/code_of.h"
@@ -130,6 +131,19 @@ TEST(Deposit, EveryBallLiesOnOthersOrTheFloorAndOverlapsNone) {
     }
     EXPECT_LT(gap, 0.1 * radius) << i;
   }
+}
+
+// Bullet's few corners are not the stones' surfaces.
+TEST(Deposit, StonesOverlapLittle) {
+  const Shapes shapes = test::shapes_of({test::ellipsoid(3)});
+  const Particles p =
+      deposit_particles(test::distribution(shapes, 1, 1.8, 0.58), shapes, bed_of(7, 6, 1)).particles;
+  const AuditResult overlaps = audit(shapes, p);
+  double mean = 0;
+  for (const Penetration& o : overlaps.found) mean += o.relative / overlaps.found.size();
+  EXPECT_LT(mean, 0.03);
+  EXPECT_LT(overlaps.worst, 0.15);
+  EXPECT_LT(overlaps.found.size(), 3 * p.count());  // of about seven contacts
 }
 
 TEST(Deposit, FlatStonesLieFlat) {
