@@ -8,6 +8,7 @@
 #include "graph/diagnostic.h"
 #include "nodes/bodies/view/soil.h"
 #include "nodes/data/indices.h"
+#include "nodes/packing/rigid/statistics.h"
 #include "runtime/random.h"
 
 namespace terrazzo::view {
@@ -36,12 +37,8 @@ bool has_top(const Particles& particles, const Shapes& shapes) {
   const double rounding = kRounding * particles.box.z();
   for (std::size_t i = 0; i < particles.count(); ++i) {
     if (particles.is_void(i)) continue;
-    const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
-    const Vec3 up = particles.scale[i] * turn.row(2).transpose();
-    for (const Vec3& v : shapes.shapes[particles.shape[i]].mesh.vertices) {
-      const double z = particles.position[i].z() + up.dot(v);
-      if (z < -rounding || z > particles.box.z() + rounding) return false;
-    }
+    const auto [low, high] = packing::height_range(shapes, particles, i);
+    if (low < -rounding || high > particles.box.z() + rounding) return false;
   }
   return true;
 }

@@ -38,7 +38,7 @@ void compute(Context& c) {
   c.metric("shrink", r.shrink);
   c.metric("dropped", r.dropped);
   c.metric("kept", r.kept);
-  c.metric("coordination_number", r.coordination);
+  c.metric("coordination_number", *r.coordination);
   c.metric("nematic_order", nematic_order(shapes, r.particles));
   const Vec3 cut = sections_per_area(shapes, r.particles, c.work().quiet());
   c.metric("sections_per_area_x", cut[0]);

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include "graph/diagnostic.h"
 #include "nodes/packing/deposit/falling.h"
 #include "nodes/packing/rigid/packer.h"
 #include "nodes/packing/rigid/placement.h"
+#include "nodes/packing/rigid/statistics.h"
 
 namespace terrazzo::packing {
 namespace {
@@ -80,23 +80,12 @@ int fall(FallingBodies& bodies, const Work& work) {
   return step;
 }
 
-// Lowest and highest z of a particle.
-std::pair<double, double> extent_of(const Particles& p, const Shapes& shapes, std::size_t i) {
-  double low = 1e300, high = -1e300;
-  for (const Vec3& v : shapes.shapes[p.shape[i]].mesh.vertices) {
-    const double z = p.position[i].z() + p.scale[i] * (p.orientation[i] * v).z();
-    low = std::min(low, z);
-    high = std::max(high, z);
-  }
-  return {low, high};
-}
-
 // Moves the particles up or down so that the box begins at the lowest one and ends with the highest one.
 void fit_height(Particles& p, const Shapes& shapes, const Work& work) {
   double low = 1e300, high = -1e300;
   for (std::size_t i = 0; i < p.count(); ++i) {
     if (i % 64 == 0) work.check();
-    const auto [below, above] = extent_of(p, shapes, i);
+    const auto [below, above] = height_range(shapes, p, i);
     low = std::min(low, below);
     high = std::max(high, above);
   }
@@ -113,11 +102,7 @@ PackResult deposit_particles(const SizeDistribution& distribution, const Shapes&
   const Population population = populate(distribution, shapes, nullptr, options, work.quiet());
   PackResult result;
   result.particles = population.particles;
-  result.size_class = population.size_class;
-  result.expected = population.expected;
-  result.requested_fraction = population.requested_fraction;
-  result.left_out_fraction = population.left_out_fraction;
-  result.notes = population.notes;
+  set_request(result, population);
   Particles& particles = result.particles;
   if (particles.count() == 0) return result;
   if (particles.count() > kMostFalling)

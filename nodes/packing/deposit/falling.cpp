@@ -206,8 +206,7 @@ FallingBodies::FallingBodies(const Vec2& period, double usual) : world_(std::mak
   w.period = {static_cast<btScalar>(period.x() / usual), static_cast<btScalar>(period.y() / usual)};
   w.dynamics.setGravity(btVector3(0, 0, -kGravity));
   w.dynamics.getSolverInfo().m_numIterations = kIterations;
-  w.broadphase.m_cupdates =
-      100;  // which pairs are near must not depend on the order in which they are listed
+  w.broadphase.m_cupdates = 100;  // percent: which pairs are near must not depend on their order
   w.dynamics.getSimulationIslandManager()->setSplitIslands(false);
   w.floor.setFriction(kFriction);
   w.floor.setUserIndex(-1);
@@ -331,8 +330,6 @@ double FallingBodies::fastest() const {
     most = std::max<double>(most, body.rigid->getLinearVelocity().length());
   return most;
 }
-
-std::size_t FallingBodies::count() const { return world_->bodies.size(); }
 
 Vec3 FallingBodies::position(std::size_t body) const {
   const btVector3& p = world_->bodies[body].rigid->getWorldTransform().getOrigin();

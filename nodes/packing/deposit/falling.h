@@ -39,8 +39,7 @@ class FallingBodies {
 
   // Root of the mean squared speed, in usual diameters per second of free fall with 10 diameters/s².
   double speed() const;
-  double fastest() const;  // of all bodies, in the same unit
-  std::size_t count() const;
+  double fastest() const;                 // of all bodies, in the same unit
   Vec3 position(std::size_t body) const;  // x and y in [0, period)
   Quat orientation(std::size_t body) const;
 

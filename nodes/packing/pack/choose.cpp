@@ -24,14 +24,13 @@ constexpr std::size_t kFew = 5;    // profiles
 // Edges of a bed as wide as the photograph, so that a view of it does not repeat, and a few stones deep. It
 // holds about the requested number of stones at least, and a few times as many at most; empty if densities
 // are relative or the photograph's size is unknown.
-std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& distribution,
-                             const packing::PackOptions& options) {
+std::vector<double> bed_edges(const Profiles& profiles, const SizeDistribution& distribution, double count) {
   constexpr double kDeep = 3, kMostStones = 4;  // largest stones, times the requested number
   double density = 0;
   for (const auto& e : distribution.shapes)
     for (const double n : e.N_V) density += n;
   if (!(distribution.volume_fraction > 0 && density > 0 && profiles.window.minCoeff() > 0)) return {};
-  const double least = kDeep * distribution.d_max, count = static_cast<double>(options.population.count);
+  const double least = kDeep * distribution.d_max;
   Vec2 wide = profiles.window;
   const double stones = density * wide.prod() * least;
   if (stones > kMostStones * count) wide *= std::sqrt(kMostStones * count / stones);
@@ -47,7 +46,8 @@ std::vector<double> bed_like(const Profiles& profiles, const SizeDistribution& d
 // Stones of a surface are not grown into each other: in soil, if they jam, they are smaller than requested.
 Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, const Profiles& profiles,
                    const Particles* start, const packing::PackOptions& given, const Work& work) {
-  packing::PackOptions options = bed_options(distribution, profiles, given);
+  packing::PackOptions options = given;
+  options.population = bed_like(distribution, profiles, given.population);
   Choice choice;
   if (shows_loose_stones(profiles)) {
     choice.method = Method::Deposit;
@@ -57,6 +57,7 @@ Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, c
   }
   options.on_jam = packing::OnJam::Shrink;
   options.lying = true;
+  options.long_axes = long_axes(profiles);
   choice.method = Method::Anneal;
   choice.packed = packing::pack_particles(distribution, shapes, start, options, work);
   choice.reason =
@@ -66,10 +67,9 @@ Choice lie_loosely(const SizeDistribution& distribution, const Shapes& shapes, c
 
 }  // namespace
 
-packing::PackOptions bed_options(const SizeDistribution& distribution, const Profiles& profiles,
-                                 packing::PackOptions options) {
-  options.long_axes = long_axes(profiles);
-  if (options.population.edges.empty()) options.population.edges = bed_like(profiles, distribution, options);
+packing::PopulationOptions bed_like(const SizeDistribution& distribution, const Profiles& profiles,
+                                    packing::PopulationOptions options) {
+  if (options.edges.empty()) options.edges = bed_edges(profiles, distribution, options.count);
   return options;
 }
 

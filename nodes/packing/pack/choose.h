@@ -23,13 +23,12 @@ struct Choice {
 // (may be null). From a fraction of 0.75 on, if the `profiles` of the photograph (may be null) are equiaxed:
 // Laguerre, since neighbors that leave each other so little room take each other's shape, and the binder is
 // in joints between them. Otherwise: Grow. Of the options, only population and interrupted count. Throws the
-// errors of pack_particles() except "jammed".
+// errors of pack_particles() except "jammed", and those of deposit_particles().
 Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
                      const Particles* start, const packing::PackOptions& options, const Work& work);
 
-// Options with the box of a bed as wide as the surface in the photograph, unless edges are given, and with
-// the directions of its stones.
-packing::PackOptions bed_options(const SizeDistribution&, const Profiles&, packing::PackOptions);
+// With the box of a bed as wide as the surface in the photograph, unless edges are given.
+packing::PopulationOptions bed_like(const SizeDistribution&, const Profiles&, packing::PopulationOptions);
 
 // The median ratio of the short to the long axis of the profiles that the border does not cut (of the
 // ellipses with their second moments); 0 with fewer than five. Sections of Laguerre cells have about 0.75.

@@ -28,7 +28,7 @@ void output_packed(Context& c, const SizeDistribution& distribution, const Shape
   c.metric("box_x", r.particles.box[0]);
   c.metric("box_y", r.particles.box[1]);
   c.metric("box_z", r.particles.box[2]);
-  c.metric("coordination_number", r.coordination);
+  if (r.coordination) c.metric("coordination_number", *r.coordination);
   c.metric("shrink", r.shrink);
   c.metric("dropped", r.dropped);
   c.output("table", tessellation::particle_table(shapes, r.particles, wanted));
@@ -40,11 +40,9 @@ void output_packed(Context& c, const SizeDistribution& distribution, const Shape
 }
 
 packing::PackResult deposit(Context& c, const SizeDistribution& distribution, const Shapes& shapes) {
-  packing::PackOptions o;
-  o.population = packing::read_population(c);
-  if (const Profiles* profiles = c.optional<Profiles>("profiles"))
-    o = bed_options(distribution, *profiles, o);
-  return packing::deposit_particles(distribution, shapes, o.population, c.work());
+  packing::PopulationOptions o = packing::read_population(c);
+  if (const Profiles* profiles = c.optional<Profiles>("profiles")) o = bed_like(distribution, *profiles, o);
+  return packing::deposit_particles(distribution, shapes, o, c.work());
 }
 
 packing::PackResult anneal(Context& c, const SizeDistribution& distribution, const Shapes& shapes) {

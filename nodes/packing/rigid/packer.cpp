@@ -196,15 +196,10 @@ void Packer::fill_result() {
   result_.coordination = coordination_number(contact_shapes_, packing_, 0.01, work_.quiet());
   if (!index_.empty()) sort(original_order());
   result_.particles = placed(population_.particles, packing_);
-  result_.size_class = population_.size_class;
-  result_.expected = population_.expected;
-  result_.requested_fraction = population_.requested_fraction;
-  result_.left_out_fraction = population_.left_out_fraction;
+  set_request(result_, population_);
   result_.steps = budget_.used;
   result_.max_penetration = audit_.worst;
   result_.shrink = goal_ * packing_.shrink;
-  result_.kept = population_.kept;
-  result_.notes = population_.notes;
   if (result_.shrink < 1)
     result_.notes.push_back(
         fmt::format("the particles jammed: all were shrunk to {:.4f} of their size, which reduces the volume "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "nodes/packing/rigid/population/population.h"
 #include "runtime/work.h"
@@ -42,15 +43,19 @@ struct PackResult {
   double left_out_fraction = 0;  // the part of it that is left to the binder; see Population
   double max_penetration = 0;    // from the audit, relative to the smaller particle's size
   double reachable = 0;          // volume fraction that the estimate expected to reach; 0 without an estimate
-  double coordination = 0;       // mean number of neighbors within 1 % of the smaller particle's size
-  double shrink = 1;             // all particles were scaled by this factor
-  std::size_t kept = 0;          // number of particles kept from `start`
+  // Mean number of neighbors within 1 % of the smaller particle's size; nothing: not counted.
+  std::optional<double> coordination;
+  double shrink = 1;     // all particles were scaled by this factor
+  std::size_t kept = 0;  // number of particles kept from `start`
   std::size_t dropped = 0;
   double dropped_volume = 0;       // mm³
   int iterations = 0;              // of all bodies
   double steps = 0;                // work done without the trial; see Budget
   std::vector<std::string> notes;  // warnings for the user
 };
+
+// Sets what was requested: classes, numbers, fractions and notes.
+void set_request(PackResult&, const Population&);
 
 // Deepest penetration that the audit accepts, relative to the smaller particle's size.
 inline constexpr double kTolerance = 1e-4;

@@ -30,6 +30,18 @@ double void_fraction(const Shapes& shapes, const Particles& particles) {
   return fraction_of(shapes, particles, [&](std::size_t i) { return particles.is_void(i); });
 }
 
+std::pair<double, double> height_range(const Shapes& shapes, const Particles& particles, std::size_t i) {
+  const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
+  const Vec3 up = particles.scale[i] * turn.row(2).transpose();
+  double low = 1e300, high = -1e300;
+  for (const Vec3& v : shapes.shapes[particles.shape[i]].mesh.vertices) {
+    const double z = particles.position[i].z() + up.dot(v);
+    low = std::min(low, z);
+    high = std::max(high, z);
+  }
+  return {low, high};
+}
+
 namespace {
 
 // Direction of the largest spread of the surface.

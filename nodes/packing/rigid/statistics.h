@@ -1,6 +1,9 @@
 // Measures of a packing.
 #pragma once
 
+#include <cstddef>
+#include <utility>
+
 #include "nodes/data/particles.h"
 #include "nodes/data/shapes.h"
 #include "nodes/data/size_distribution.h"
@@ -12,6 +15,9 @@ namespace terrazzo::packing {
 // Volume fraction of all particles, including voids; volume fraction of only the voids.
 double volume_fraction(const Shapes& shapes, const Particles& particles);
 double void_fraction(const Shapes& shapes, const Particles& particles);
+
+// Lowest and highest z of a particle, mm.
+std::pair<double, double> height_range(const Shapes& shapes, const Particles& particles, std::size_t i);
 
 // Largest eigenvalue of ⟨(3 u uᵀ − 1)/2⟩ over the particles' longest axes u (of the second moments of the
 // surface): 1 if all are parallel, about 1/√n if they are independent. 0 without particles.
