@@ -300,6 +300,32 @@ TEST_F(StudioPage, ShowsVariantsAndKeepsOne) {
   EXPECT_EQ(r["text_at_end"], "  seed: {type: int, default: 3}");
 }
 
+// What an evaluation does, warnings, a damaged storage of the browser, half a window for the viewer, and
+// small windows.
+TEST_F(StudioPage, SaysWhatItDoesAndFitsSmallWindows) {
+  const auto run =
+      test::run_command({"timeout", "200", "node", "status.mjs", program, folder.string(), browser}, here);
+  const auto r = nlohmann::json::parse(run.out, nullptr, false);
+  ASSERT_TRUE(r.is_object()) << run.out << run.err;
+  ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
+  EXPECT_EQ(r["violations"], nlohmann::json::array());
+  EXPECT_NEAR(r["half"], 0.5, 0.001);
+  EXPECT_NEAR(r["kept"], 0.5 - 8 * 20 / 1280.0, 0.002);
+  EXPECT_GT(r["missing"][0], 0);
+  EXPECT_GT(r["missing"][1], r["missing"][0]);
+  EXPECT_NE(r["messages"].get<std::string>().find(r["missing"][1].dump() + " of "), std::string::npos);
+  EXPECT_EQ(r["paused"].get<std::string>().rfind("paused, 2 to run", 0), 0u) << r["paused"];
+  EXPECT_EQ(r["stale"], "stale");
+  EXPECT_EQ(r["times"], nlohmann::json({7, 7}));
+  EXPECT_EQ(r["covered"], 0);
+  for (const std::string text : r["running"])
+    EXPECT_NE(text.find(", 0 of 2 nodes"), std::string::npos) << text;
+  EXPECT_EQ(r["queued"], "queued");
+  EXPECT_LT(std::stoi(r["bar"].get<std::string>()), 100);
+  EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
+  for (const auto& [view, over] : r["over"].items()) EXPECT_EQ(over, nlohmann::json::array()) << view;
+}
+
 // What is wrong is said where one looks, with what can be done.
 TEST_F(StudioPage, SaysWhatIsWrong) {
   write_image(folder / "found picture.png", Image(60, 40, 1, 1, Vec3f(0.1f, 0.4f, 0.2f)));
@@ -431,7 +457,7 @@ TEST_F(StudioPage, ShowsLegibleGraphs) {
   ASSERT_TRUE(r.is_object()) << run.out << run.err;
   ASSERT_EQ(r["errors"], nlohmann::json::array()) << run.out;
   EXPECT_EQ(r["violations"], nlohmann::json::array());
-  const std::map<std::string, int> seen = {{"1440×900", 14}, {"1024×700", 5}, {"200 %", 1}};
+  const std::map<std::string, int> seen = {{"1440×900", 14}, {"1024×700", 14}, {"200 %", 9}};
   for (const auto& [size, least] : seen) {
     const auto& shown = r["sizes"][size];
     EXPECT_GE(shown["name"], 11.99) << size;

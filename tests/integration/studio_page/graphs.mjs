@@ -127,7 +127,7 @@ await report(server, async () => {
   result.moved_by_unfolding = Object.keys(before).filter(n => open[n] && open[n] !== before[n]);
   await shot(page, 'unfolded');
   await check('unfolded');
-  await card('vdb').locator('header').click();
+  await card('vdb').locator('header b').click();
   const path = await page.locator('#field-path').boundingBox();
   result.path_in_view = path.y + path.height < 900;
   const offered = () => page.locator('[id^=input-]').count();

@@ -7,12 +7,13 @@ import { paste, textOf } from './clipboard';
 import { typeColor } from './format';
 import { Find } from './find';
 import { correctedBy, fold, FoldedCard, groupsOf, isFolded, takeFocus, unfold, type FoldedNode } from './folded';
+import { keep } from './kept';
 import { layout, nodeSize, nodeWidth } from './layout';
 import { NodeCard, type GraphNode } from './node';
 import { addNote, changeNote, NoteCard, removeNotes, type NoteNode } from './note';
 import { keepPlaces, placesOf, readPlaces, writtenPlaces, type Places } from './places';
 import { nextNode } from './next_node';
-import { MenuButton, useNarrow } from './menu';
+import { MenuButton } from './menu';
 import { NodeMenu, rename } from './node_menu';
 import { Search, type SearchAt } from './search';
 import { declarationOf, shownDoc, splitWire } from './states';
@@ -420,11 +421,11 @@ export function Canvas() {
     };
   }, [fit, refit, arrangeAll, doc, nodes, scope, locked, duplicate, all, withParts]);
 
-  const slim = useNarrow(800);
+  const slim = useFlow(s => s.width > 0 && s.width < 560);
   const tools = [
     ...(locked ? [] : [{ label: 'Note', keys: 'N', title: 'Write a note (N)', act: () => write(false) }, { label: 'Frame', title: 'A frame around the selected nodes', act: () => write(true) }]),
     { label: 'Pictures', title: 'Show pictures in the nodes', pressed: thumbnails, act: () => {
-      localStorage.setItem('terrazzo.thumbnails', thumbnails ? 'no' : 'yes');
+      keep('graph', { thumbnails: thumbnails ? 0 : 1 });
       useStore.setState({ thumbnails: !thumbnails });
     } },
   ] as { label: string; keys?: string; title: string; pressed?: boolean; act: () => void }[];

@@ -7,6 +7,7 @@ import type { Doc, DocNode, NodeType, Port } from './types';
 export const nodeWidth = 168;
 export const rowHeight = 20;
 export const thumbHeight = 108;
+const columnGap = 24, rowGap = 60, mostColumns = 7;
 
 // Optional inputs without a wire appear only while the node is selected or a wire is being drawn.
 export const inputsShown = (node: DocNode, inputs: Port[]) => inputs.filter(p => !p.optional || node.inputs[p.name]);
@@ -23,24 +24,33 @@ export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
   return size;
 }
 
-export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
+// Places of nodes from left to right, and how many columns they have.
+function inColumns(nodes: DocNode[], doc: Doc, types: Map<string, NodeType>): { at: Record<string, { x: number; y: number }>; columns: number[] } {
   const g = new dagre.graphlib.Graph();
-  g.setGraph({ rankdir: 'LR', nodesep: 16, ranksep: 24 });
+  g.setGraph({ rankdir: 'LR', nodesep: 16, ranksep: columnGap });
   g.setDefaultEdgeLabel(() => ({}));
-  for (const n of doc.nodes) {
-    g.setNode(n.name, nodeSize(n, types));
-  }
-  for (const n of doc.nodes)
+  for (const n of nodes) g.setNode(n.name, nodeSize(n, types));
+  for (const n of nodes)
     for (const wires of Object.values(n.inputs))
       for (const w of wires) {
         const { node } = splitWire(w, doc, types);
         if (g.hasNode(node)) g.setEdge(node, n.name);
       }
   dagre.layout(g);
-  const out: Record<string, { x: number; y: number }> = {};
-  for (const n of doc.nodes) {
-    const at = g.node(n.name);
-    out[n.name] = { x: at.x - at.width / 2, y: at.y - at.height / 2 };
+  const at = Object.fromEntries(nodes.map(n => { const p = g.node(n.name); return [n.name, { x: p.x - p.width / 2, y: p.y - p.height / 2 }]; }));
+  return { at, columns: [...new Set(Object.values(at).map(p => p.x))].sort((a, b) => a - b) };
+}
+
+// What has too many columns for legible names beside the viewer goes on in a next row, as text does.
+export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
+  const { at, columns } = inColumns(doc.nodes, doc, types), rows = Math.ceil(columns.length / mostColumns);
+  if (rows < 2) return at;
+  const perRow = Math.ceil(columns.length / rows), out: typeof at = {};
+  let top = 0;
+  for (let row = 0; row < rows; ++row) {
+    const nodes = doc.nodes.filter(n => Math.floor(columns.indexOf(at[n.name].x) / perRow) === row), own = inColumns(nodes, doc, types).at;
+    for (const n of nodes) out[n.name] = { x: own[n.name].x, y: own[n.name].y + top };
+    top = rowGap + Math.max(...nodes.map(n => out[n.name].y + nodeSize(n, types).height));
   }
   return out;
 }

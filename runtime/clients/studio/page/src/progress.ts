@@ -1,5 +1,6 @@
 // How far an evaluation is, and what it does, in words.
 import { secondsText } from './format';
+import { keep, kept } from './kept';
 import type { NodeState } from './types';
 
 export interface Progress { done: number; total: number; share: number; doing: string; left: number; sure: boolean; canceled: number }
@@ -19,14 +20,13 @@ const typical: Record<string, number> = {
   LoadImage: 0.1, Segment: 9, ShapeEstimate: 60, KMatrix: 10, Unfold: 0.5, Pack: 10, Anneal: 10, Colorize: 0.1, ResidualSynth: 5, DetailSolid: 40, Voxelize: 5,
   Section: 2, View: 10, RenderSolid: 15, Compare: 0.5, TextureObserver: 10, ContactSheet: 0.1, Phases: 2, MediaSolid: 60, Measure3D: 2, Export: 0.5,
 };
-const key = 'terrazzo.seconds';
-const learned: Record<string, number> = JSON.parse(localStorage.getItem(key) ?? '{}');
+const learned = kept('seconds');
 
 // Remembers how long nodes of a type take here.
 export function learn(n: NodeState) {
   if (n.state !== 'computed' || !n.type || !(n.seconds > 0) || learned[n.type] === n.seconds) return;
   learned[n.type] = n.seconds;
-  localStorage.setItem(key, JSON.stringify(learned));
+  keep('seconds', learned);
 }
 
 const wholeOf = (n: NodeState): number | undefined => n.expected || learned[n.type] || typical[n.type];
@@ -65,7 +65,7 @@ export function progressOf(nodes: Record<string, NodeState>, now = performance.n
 }
 
 export const leftText = (p: Pick<Progress, 'left' | 'sure'>): string => {
-  if (p.left < 0.5) return p.sure ? 'about done' : '';
+  if (p.left < 0.5) return ''; // too short to say, or not known yet
   return `${p.sure ? 'about' : 'at least'} ${p.left < 10 ? `${Math.ceil(p.left)} s` : p.left < 90 ? `${Math.ceil(p.left / 5) * 5} s` : secondsText(Math.max(p.left, 100))}`;
 };
 

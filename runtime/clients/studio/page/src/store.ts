@@ -3,6 +3,7 @@ import { create } from 'zustand';
 import type { Dropper } from './dropper';
 import { mainNode } from './follow';
 import { secondsText } from './format';
+import { kept } from './kept';
 import { learn } from './progress';
 import { failureOf, shownDoc } from './states';
 import type { Arrangement, Doc, NodeState, NodeType, OutputValue, Past, Price, Run, StartInfo, State, Variants, Written } from './types';
@@ -52,7 +53,7 @@ export const useStore = create<Store>(() => ({
   types: new Map(), doc: null, scope: '', inside: null, nodes: {}, selected: null, port: null, pinned: null, online: false, trouble: null,
   run: { running: false, live: true, seconds: 0, expected: 0, unfinished: 0, trouble: '' }, drawer: 'none', variants: null, vary: '', finding: '', line: null,
   start: null, starting: false, picture: null, savingAs: false, sharing: false, grouping: null, shared: '', tool: null, dropper: null, extra: '', reference: null, price: null,
-  arrangement: {}, thumbnails: localStorage.getItem('terrazzo.thumbnails') === 'yes', unfolded: {}, wide: false,
+  arrangement: {}, thumbnails: !!kept('graph').thumbnails, unfolded: {}, wide: false,
 }));
 const set = useStore.setState;
 
@@ -198,7 +199,10 @@ export async function connect() {
     }));
     void enter(useStore.getState().scope);
   });
-  on<Run>('run', run => set({ run }));
+  on<Run>('run', run => { // after what nodes have told of themselves
+    set(s => ({ run, nodes: { ...s.nodes, ...pending } }));
+    pending = {};
+  });
   on<Variants | null>('variants', variants => set({ variants }));
   on<NodeState & { path: string }>('node', n => {
     learn(n), later(n.path, started(n));

@@ -1,15 +1,16 @@
 // What lights solids in three dimensions: a lamp, or a surrounding that is computed, which surfaces reflect as their roughness lets them.
 import type { Vector3 } from 'three';
 
-const key = 'terrazzo.light';
-const kept = JSON.parse(localStorage.getItem(key) ?? '{}') as { surrounding?: number; roughness?: number };
+import { keep, kept } from './kept';
+
+const last = kept('light');
 export const surroundings = ['Lamp', 'Studio', 'Sky'];
 // Uniforms that all materials share.
-export const look = { surrounding: { value: kept.surrounding ?? 0 }, roughness: { value: kept.roughness ?? 0.5 } };
+export const look = { surrounding: { value: surroundings[last.surrounding] ? last.surrounding : 0 }, roughness: { value: Math.min(last.roughness ?? 0.5, 1) } };
 
 export function setLook(surrounding: number, roughness: number) {
   look.surrounding.value = surrounding, look.roughness.value = roughness;
-  localStorage.setItem(key, JSON.stringify({ surrounding, roughness }));
+  keep('light', { surrounding, roughness });
 }
 
 export const lightUniforms = (sun: Vector3) => ({ ...look, sun: { value: sun } });

@@ -10,10 +10,7 @@ export function useProgress(): Progress {
   useEffect(() => {
     const look = () => setProgress(progressOf(useStore.getState().nodes));
     look();
-    if (!running) {
-      const late = setTimeout(look, 150); // the last nodes report with the next frame
-      return () => clearTimeout(late);
-    }
+    if (!running) return;
     const timer = setInterval(look, 500);
     return () => clearInterval(timer);
   }, [running, doc]);
