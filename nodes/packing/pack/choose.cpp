@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kNoBinder = 0.97;  // volume fraction
 constexpr double kDense = 0.75;     // volume fraction from which packing is not tried
+constexpr double kClose = 0.01;     // volume fraction; grown particles come no closer to what is requested
 // Largest number of steps, the same times particles, and the fewest steps.
 constexpr double kIterations = 1500, kBodySteps = kIterations * 2500, kFewest = 60;
 constexpr double kEquiaxed = 0.6;  // least axis ratio
@@ -81,6 +82,15 @@ double usual_axis_ratio(const Profiles& profiles) {
   return ratios.size() < kFew ? 0 : median(std::move(ratios));
 }
 
+double fraction_error(const Profiles& profiles) {
+  double area = 0, squares = 0;
+  for (const Profile& p : profiles.profiles) {
+    area += p.area;
+    squares += p.area * p.area;
+  }
+  return area > 0 ? profiles.area_fraction * (1 - profiles.area_fraction) * std::sqrt(squares) / area : 0;
+}
+
 Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes, const Profiles* profiles,
                      const Particles* start, const packing::PackOptions& options, const Work& work) {
   if (profiles != nullptr && profiles->view == View::Surface)
@@ -102,10 +112,11 @@ Choice choose_method(const SizeDistribution& distribution, const Shapes& shapes,
       packing::PackOptions pack = options;
       pack.iterations = static_cast<int>(
           std::clamp(kBodySteps / static_cast<double>(population.particles.count()), kFewest, kIterations));
-      pack.hopeless = 0;  // if a sample jams, all do, or after long
+      pack.on_jam = packing::OnJam::Shrink;
+      pack.least = fraction - std::max(kClose, profiles ? fraction_error(*profiles) : 0);
       choice.packed = packing::pack_particles(distribution, shapes, start, pack, work);
       choice.method = Method::Anneal;
-      choice.reason = fmt::format("rigid particles reach the volume fraction of {:.3f}", fraction);
+      choice.reason = fmt::format("rigid particles reach the volume fraction of {:.3f}, or nearly", fraction);
       return choice;
     } catch (const Error& e) {
       if (e.diagnostic().code != "jammed" && e.diagnostic().code != "overlap") throw;

@@ -105,7 +105,7 @@ namespace terrazzo {
 
 NodeType pack_node() {
   using namespace pack;
-  NodeType type("Pack", 14);
+  NodeType type("Pack", 15);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "
@@ -131,7 +131,8 @@ NodeType pack_node() {
                     "down, "
                     "if it shows stones in soil. Else "
                     "laguerre if at least 0.97 of the volume is particles, or 0.75 and the profiles are "
-                    "equiaxed; else anneal, or grow if rigid particles jam. anneal: "
+                    "equiaxed; else anneal, or grow if rigid particles jam below the photograph's "
+                    "fraction by more than its standard error. anneal: "
                     "rigid particles. grow: particles with flat contacts. "
                     "laguerre: convex cells of given volumes. deposit: stones that fell onto the bottom of "
                     "the box "

@@ -221,7 +221,8 @@ PackResult Packer::run() {
   anneal_.binder_gap = options_.population.binder_gap;
   anneal_.seed = options_.population.seed;
   // If shrinking is allowed, the last 0.2 % of size are not worth most of the time.
-  anneal_.enough = options_.on_jam == OnJam::Shrink ? 0.998 : 1;
+  const double least = std::cbrt(std::min(options_.least / population_.fraction, 1.0));
+  anneal_.enough = options_.on_jam == OnJam::Shrink ? std::max(0.998, least) : 1;
   for (const auto& s : contact_shapes_)
     if (s.field.kind() == DistanceField::Kind::Grid) anneal_.aim = 1.002;
   budget_.expected = 0.1 * options_.iterations;
@@ -237,16 +238,15 @@ PackResult Packer::run() {
 
   if (options_.on_jam == OnJam::Shrink) raise(work_.part(0.95, 1));
   const bool jammed = packing_.shrink < 1 || audit_.worst > kTolerance;
-  if (packing_.shrink < 1 && options_.on_jam == OnJam::Fail) {
-    throw Error("jammed",
-                fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",
-                            packing_.count(), fraction(), population_.requested_fraction),
-                "lower the volume fraction, raise `iterations`, or set on_jam to shrink or drop");
-  }
   for (int k = 0; options_.on_jam == OnJam::Shrink && audit_.worst > kTolerance && k < 12; ++k) {
     packing_.shrink *= 1 - (2 + k) * std::min(audit_.worst, 0.05);
     audit_ = auditor_(placed(population_.particles, packing_), anneal_.binder_gap, work_.quiet());
   }
+  if (options_.on_jam == OnJam::Fail ? packing_.shrink < 1 : fraction() < options_.least)
+    throw Error("jammed",
+                fmt::format("{} particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",
+                            packing_.count(), fraction(), population_.requested_fraction),
+                "lower the volume fraction, raise `iterations`, or set on_jam to shrink or drop");
   if (jammed && options_.on_jam == OnJam::Drop) drop(work_.part(0.95, 1));
   if (audit_.worst > kTolerance)
     throw Error(

@@ -12,7 +12,7 @@ namespace {
 constexpr double kTrial = 1;  // share of the steps that the trial may take, with far fewer particles
 // A trial of few particles in few steps is less dense than the packing can become, most of all for cubes,
 // which order slowly. A request slightly above the trial is tried as it is; one far above is refused.
-constexpr double kNear = 0.05;
+constexpr double kNear = 0.05, kHopeless = 0.15;
 // Share of the reached volume fraction that jams no more. Dropping is stricter, because every particle must
 // keep its size.
 constexpr double kBelow = 0.975, kBelowDrop = 0.96;
@@ -37,7 +37,8 @@ void Packer::estimate() {
   if (!reachable_.jammed) budget_.expected = 1.3 * reachable_.steps + 100;
   // A sample that takes longer than all particles may is as good as jammed.
   const bool hopeless = reachable_.jammed || reachable_.steps > options_.iterations;
-  if (hopeless && options_.on_jam == OnJam::Fail && requested >= result_.reachable + options_.hopeless)
+  const double least = options_.on_jam == OnJam::Fail ? requested - kHopeless : options_.least;
+  if (hopeless && result_.reachable <= least)
     throw Error(
         "jammed",
         fmt::format("a sample of the particles jammed at a volume fraction of {:.3f}; {:.3f} was requested",

@@ -25,9 +25,8 @@ struct PackOptions {
   bool lying = false;
   std::vector<double> long_axes;  // radians; directions of lying particles' long axes; empty: at random
   int iterations = 6000;          // steps until the particles are considered jammed; see Budget
-  // How far above the estimate a volume fraction is refused at once if on_jam is Fail. 0: also if a sample
-  // of the particles took longer than `iterations`.
-  double hopeless = 0.15;
+  // Shrink: volume fraction that must be reached; refused at once if a sample of the particles jams below it.
+  double least = 0;
   // Called if the packing is canceled after particles have been moved, before Cancelled is thrown: with the
   // densest packing found that is free of overlap, or if there is none, with the current one. As `start` of
   // the same request it continues from there, and the result is at least as dense, apart from what the audit
@@ -63,8 +62,8 @@ inline constexpr double kTolerance = 1e-4;
 // Estimates first how dense the particles can be. If more is requested and on_jam is Shrink or Drop, slightly
 // less than the estimate is packed. The work is bounded for any shapes and densities. Throws the errors of
 // populate() and limits.h. Throws Error "jammed" with the volume fraction reached if the
-// particles cannot be packed and on_jam is Fail, "overlap" if the audit finds overlaps that cannot be
-// removed.
+// particles cannot be packed and on_jam is Fail, or reach less than `least`, "overlap" if the audit finds
+// overlaps that cannot be removed.
 PackResult pack_particles(const SizeDistribution& distribution, const Shapes& shapes, const Particles* start,
                           const PackOptions& options, const Work& work = {});
 

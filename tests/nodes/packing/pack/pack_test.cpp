@@ -119,6 +119,20 @@ TEST(Pack, DenseEquiaxedParticlesAreCellsWithJoints) {
   EXPECT_EQ(pack_any(0.35, {}, &round).metrics.at("by_anneal"), 1);
 }
 
+// Particles that jam stay rigid if a photograph of so few profiles cannot tell the difference in fraction.
+TEST(Pack, JammedParticlesStayRigidWithinTheErrorOfThePhotograph) {
+  Profiles seen = ellipses(0.9);
+  seen.area_fraction = 0.71;
+  for (Profile& p : seen.profiles) p.area = 2;
+  EXPECT_NEAR(pack::fraction_error(seen), 0.71 * 0.29 / std::sqrt(12.0), 1e-9);
+  EXPECT_EQ(pack::fraction_error({}), 0);
+  const auto rigid = pack_any(0.71, {}, &seen);
+  EXPECT_EQ(rigid.metrics.at("by_anneal"), 1);
+  EXPECT_LT(rigid.metrics.at("packing_fraction"), 0.7);
+  EXPECT_GT(rigid.metrics.at("packing_fraction"), 0.71 - pack::fraction_error(seen));
+  EXPECT_EQ(pack_any(0.71).metrics.at("by_grow"), 1);
+}
+
 TEST(Pack, MethodsCanBeForced) {
   EXPECT_EQ(pack_any(0.3, {{"method", "laguerre"}}).metrics.at("by_laguerre"), 1);
   EXPECT_EQ(pack_any(0.3, {{"method", "grow"}}).metrics.at("by_grow"), 1);
