@@ -411,7 +411,7 @@ TEST_F(StudioPage, HasTheHabitsOfEditors) {
   EXPECT_EQ(r["stays"], false);
   EXPECT_EQ(r["added"], nlohmann::json({{"usd", "Export"},
                                         {"gltf", "Export"},
-                                        {"hsv", "Colorize"},
+                                        {"hsv", "Adjust"},
                                         {"voronoi", "Tessellate"},
                                         {"normal map", "Bake"},
                                         {"xyzzy", ""}}));

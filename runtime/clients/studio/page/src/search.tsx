@@ -20,6 +20,7 @@ const snake = (type: string) => type.replace(/([a-z0-9])([A-Z])/g, '$1_$2').toLo
 
 // What other programs call it.
 const synonyms: Record<string, string> = {
+  Adjust: 'levels curves hsv hsl hue saturation brightness contrast exposure gamma grayscale crop color', Blend: 'mix layer multiply screen overlay add composite over mask merge',
   Export: 'usd usda usdz gltf glb vdb openvdb png exr obj ply stl csv json save write file output', LoadImage: 'photo picture texture file input open import jpg png tiff exr raw',
   LoadMesh: 'gltf glb obj ply stl import model geometry', LoadVolume: 'vdb openvdb import grid dicom', Palette: 'hsv hue color ramp swatches recolor', Colorize: 'hsv hue recolor tint color',
   TextureSet: 'pbr maps albedo basecolor normal height roughness ao displacement material tileable', Bake: 'pbr maps uv normal albedo ao texture', RenderSolid: 'render camera viewport preview shader light',
