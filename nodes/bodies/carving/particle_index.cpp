@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "graph/diagnostic.h"
+#include "nodes/common/geometry/mesh/mesh.h"
 #include "nodes/common/geometry/mesh/mesh_distance.h"
 #include "nodes/common/geometry/mesh/render_mesh.h"
 #include "nodes/data/indices.h"
@@ -16,6 +17,8 @@ void check_shown(const Particles& particles, const Shapes& shapes) {
   const double longest = particles.box.maxCoeff();
   if (!(particles.box.minCoeff() > 0) || !std::isfinite(longest))
     throw Error("bad-box", "the particles' box has no volume");
+  for (const Shape& s : shapes.shapes)
+    for (const Vec3& v : s.mesh.vertices) require_moderate(v.cast<float>());
   for (std::size_t i = 0; i < particles.count(); ++i) {
     const auto s = particles.shape[i];
     if (s < 0 || static_cast<std::size_t>(s) >= shapes.shapes.size())
@@ -32,25 +35,42 @@ void check_shown(const Particles& particles, const Shapes& shapes) {
   }
 }
 
-std::pair<double, double> ParticleIndex::add_shape(const Shape& s) {
-  const RenderMesh m = render_mesh(s);
+namespace {
+
+RayScene::Triangles triangles_of(const Shape& s) {
+  RenderMesh m = render_mesh(s);
   RayScene::Triangles t;
-  double far = 0;
-  for (const Vec3& p : m.positions) {
-    t.positions.push_back(p.cast<float>());
-    far = std::max(far, p.norm());
-  }
-  t.indices = m.indices;
-  meshes_.emplace_back(std::vector<RayScene::Triangles>{t}, std::vector<RayScene::Instance>{{}});
-  triangles_.push_back(std::move(t));
+  for (const Vec3& p : m.positions) t.positions.push_back(p.cast<float>());
+  t.indices = std::move(m.indices);
+  return t;
+}
+
+}  // namespace
+
+ParticleIndex::Solid::Solid(const Shape& s) : triangles(triangles_of(s)), rays({triangles}, {{}}) {
   double near = std::numeric_limits<double>::infinity();  // squared
   for (const auto& [a, b, c] : s.mesh.triangles)
     near = std::min(near, squared_distance_to_triangle(Vec3::Zero(), s.mesh.vertices[a], s.mesh.vertices[b],
                                                        s.mesh.vertices[c]));
   // A shape's origin may be outside the shape: then there is no inner sphere.
   RayHit hit;
-  const bool holds_origin = meshes_.back().nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit);
-  return {far, holds_origin ? std::sqrt(near) : 0};
+  if (rays.nearest(Vec3f::Zero(), Vec3f(0.3f, 0.5f, 0.81f).normalized(), hit)) inner = near * 0.9998;
+}
+
+bool ParticleIndex::Solid::holds(const Vec3f& at) const {
+  if (at.squaredNorm() < inner) return true;
+  const Vec3f direction(0.36f, 0.48f, 0.8f);
+  RayHit hit;
+  if (!rays.nearest(at, direction, hit)) return false;
+  const std::uint32_t* i = &triangles.indices[3 * static_cast<std::size_t>(hit.triangle)];
+  const auto& p = triangles.positions;
+  return (p[i[1]] - p[i[0]]).cross(p[i[2]] - p[i[0]]).dot(direction) > 0;  // the ray leaves
+}
+
+const ParticleIndex::Solid& ParticleIndex::solid(std::int32_t shape) const {
+  Lazy& lazy = solids_[shape];
+  std::call_once(lazy.once, [&] { lazy.solid.emplace(shapes_.shapes[shape]); });
+  return *lazy.solid;
 }
 
 void ParticleIndex::list_in_cells(std::int32_t particle, const Vec3f& at,
@@ -95,40 +115,29 @@ void ParticleIndex::fill_cells(const Particles& particles) {
 }
 
 ParticleIndex::ParticleIndex(const Particles& particles, const Shapes& shapes)
-    : box_(particles.box.cast<float>()) {
+    : box_(particles.box.cast<float>()),
+      shapes_(shapes),
+      solids_(shapes.shapes.size()),
+      shape_(particles.shape) {
   check_shown(particles, shapes);
-  std::vector<std::pair<double, double>> radii;  // of the shapes at scale 1
-  for (const Shape& s : shapes.shapes) radii.push_back(add_shape(s));
+  std::vector<double> radius;  // of the shapes at scale 1
+  for (const Shape& s : shapes.shapes) radius.push_back(mesh_bounding_radius(s.mesh));
   for (std::size_t i = 0; i < particles.count(); ++i) {
-    const auto [outer, inner] = radii[particles.shape[i]];
     const double scale = std::abs(particles.scale[i]);
-    outer_.push_back(scale * outer * 1.0001);
-    inner_.push_back(scale * inner * 0.9999);
+    outer_.push_back(scale * radius[particles.shape[i]] * 1.0001);
     const Mat3 turn = particles.orientation[i].normalized().toRotationMatrix();
-    to_mesh_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
-    mesh_of_.push_back(particles.shape[i]);
+    to_shape_.push_back((turn.transpose() / std::max(scale, 1e-30)).cast<float>());
   }
   // About two cells per mean diameter, limited to the memory of a few million cells.
   const double volume = particles.box.prod(), spacing = 0.5 * std::cbrt(volume / particles.count());
   for (int k = 0; k < 3; ++k) cells_[k] = std::clamp<int>(particles.box[k] / spacing, 1, 160);
   fill_cells(particles);
   for (auto& r : outer_) r *= r;
-  for (auto& r : inner_) r *= r;
 }
 
 bool ParticleIndex::holds(std::int32_t particle, const Vec3f& from_center) const {
-  const float square = from_center.squaredNorm();
-  if (square > outer_[particle]) return false;
-  if (square < inner_[particle]) return true;
-  const std::size_t mesh = mesh_of_[particle];
-  const Vec3f local = to_mesh_[particle] * from_center;
-  const Vec3f direction(0.36f, 0.48f, 0.8f);
-  RayHit hit;
-  if (!meshes_[mesh].nearest(local, direction, hit)) return false;
-  const auto& t = triangles_[mesh];
-  const std::uint32_t* i = &t.indices[3 * static_cast<std::size_t>(hit.triangle)];
-  const Vec3f normal = (t.positions[i[1]] - t.positions[i[0]]).cross(t.positions[i[2]] - t.positions[i[0]]);
-  return normal.dot(direction) > 0;  // the ray leaves
+  if (from_center.squaredNorm() > outer_[particle]) return false;
+  return solid(shape_[particle]).holds(to_shape_[particle] * from_center);
 }
 
 int ParticleIndex::at(const Vec3f& mm) const {

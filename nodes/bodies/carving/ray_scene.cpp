@@ -45,6 +45,12 @@ std::shared_ptr<RTCDeviceTy> shared_device() {
 
 }  // namespace
 
+void require_moderate(const Vec3f& v) {
+  if (!(v.array().abs() <= 1e15f).all())  // also NaN
+    throw Error("bad-number", "a vertex is NaN, infinite or further than 1e15 mm from the origin",
+                "check the lengths of the shapes, the particles and the volume");
+}
+
 struct RayScene::Handles {
   std::shared_ptr<RTCDeviceTy> device;
   RTCScene top = nullptr;
@@ -61,13 +67,6 @@ namespace {
 void check(RTCDevice device) {
   if (const RTCError e = rtcGetDeviceError(device); e != RTC_ERROR_NONE)
     throw Error("embree", std::string("the ray tracer Embree could not be set up: ") + words(e));
-}
-
-// Embree ends the process, or never returns, on coordinates that it cannot square.
-void require_moderate(const Eigen::Ref<const Vec3f>& v) {
-  if (!(v.array().abs() <= 1e15f).all())  // also NaN
-    throw Error("bad-number", "a vertex is NaN, infinite or further than 1e15 mm from the origin",
-                "check the lengths of the shapes, the particles and the volume");
 }
 
 RTCScene new_scene(RTCDevice device) {

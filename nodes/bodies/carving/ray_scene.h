@@ -11,6 +11,9 @@ namespace terrazzo::carving {
 
 inline constexpr float kBeyond = 2e-6f;  // world units by which a ray moves past a hit before continuing
 
+// Throws Error "bad-number" for coordinates that Embree cannot square: it ends the process, or never returns.
+void require_moderate(const Vec3f&);
+
 struct RayHit {
   float distance = 0;
   std::uint32_t instance = 0, triangle = 0;
