@@ -80,6 +80,9 @@ struct Overrides {
   // Input "asset/pack.shapes" ← outputs {"shape.shapes"}. Replaces the wires in the file; an empty list
   // disconnects the input.
   std::vector<std::pair<std::string, std::vector<std::string>>> wires = {};
+  // Texts of subgraphs in place of what their files contain, by the file as its users' folder and `graph`
+  // name it.
+  std::map<std::filesystem::path, std::string> files = {};
 };
 
 // Reads and checks a graph file. Appends every error to `found`, with its place. Run the result only if

@@ -16,7 +16,7 @@ Graph Linker::link(RawDocument doc) {
   graph_.name = doc.name.empty() ? doc.file.stem().string() : doc.name;
   graph_.doc = doc.doc;
   graph_.file = doc.file.string();
-  files_.emplace(doc);
+  files_.emplace(doc, overrides_.files);
   if (!check_size(doc)) return std::move(graph_);
   expanded_ = files_->root().nodes;
   bytes_ = files_->root().bytes;

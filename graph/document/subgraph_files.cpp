@@ -38,9 +38,15 @@ void add(std::uint64_t& sum, std::uint64_t more) { sum = std::min(sum + more, st
 
 }  // namespace
 
-SubgraphFiles::SubgraphFiles(const RawDocument& root) {
+SubgraphFiles::SubgraphFiles(const RawDocument& root, const std::map<fs::path, std::string>& texts)
+    : texts_(texts) {
   around_.insert(identity(root.file));
   count(root, root_, 0);
+}
+
+std::optional<std::string> SubgraphFiles::text_of(const fs::path& file, Diagnostics& found) const {
+  const auto it = texts_.find(file);
+  return it == texts_.end() ? read_graph_text(file, found) : it->second;
 }
 
 void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level) {
@@ -54,7 +60,7 @@ void SubgraphFiles::count(const RawDocument& doc, SubgraphFile& into, int level)
         const auto [at, fresh] = files_.try_emplace(id);
         SubgraphFile& file = at->second;
         if (fresh && level < kMaxNesting) {
-          if (const auto text = read_graph_text(file_of(doc, node), file.found)) {
+          if (const auto text = text_of(file_of(doc, node), file.found)) {
             file.doc = read_document(*text, file_of(doc, node), file.found);
             around_.insert(id);
             count(*file.doc, file, level + 1);

@@ -37,8 +37,9 @@ struct Expansion {
 
 class SubgraphFiles {
  public:
-  // Reads the files that the document uses, directly or through other files.
-  explicit SubgraphFiles(const RawDocument& root);
+  // Reads the files that the document uses, directly or through other files. `texts`: see Overrides::files.
+  explicit SubgraphFiles(const RawDocument& root,
+                         const std::map<std::filesystem::path, std::string>& texts = {});
 
   const SubgraphFile& root() const { return root_; }  // its `doc` is empty
   // The file of a subgraph node of `doc`. `doc` is the root document or one returned by open().
@@ -48,7 +49,9 @@ class SubgraphFiles {
  private:
   // `level`: depth of the document below the root.
   void count(const RawDocument& doc, SubgraphFile& into, int level);
+  std::optional<std::string> text_of(const std::filesystem::path& file, Diagnostics& found) const;
 
+  const std::map<std::filesystem::path, std::string> texts_;
   std::map<std::filesystem::path, SubgraphFile> files_;
   std::set<std::filesystem::path> around_;  // the files being counted, to detect recursion
   SubgraphFile root_;

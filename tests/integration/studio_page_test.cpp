@@ -433,6 +433,9 @@ TEST_F(StudioPage, EditsCopiesAndMakesSubgraphs) {
     EXPECT_NE(text.find(part), std::string::npos) << text;
   EXPECT_EQ(r["ran"], nlohmann::json::array());
   EXPECT_EQ(r["says"], "veins.yaml, saved with each change");
+  EXPECT_EQ(r["price"].get<std::string>().rfind("3 nodes", 0), 0u) << r["price"];
+  EXPECT_EQ(r["vary"], "photo.height");
+  EXPECT_EQ(r["tiles"], nlohmann::json({"done", "done"}));
   EXPECT_EQ(r["label"], "seed = seed");
   EXPECT_EQ(r["value"], "4");
   EXPECT_NE(r["grouped"].get<std::string>().find("images: [sources.image, sources.veins_image]"),
@@ -443,7 +446,8 @@ TEST_F(StudioPage, EditsCopiesAndMakesSubgraphs) {
             std::string::npos)
       << r["group"];
   EXPECT_EQ(r["computed"], 0);
-  for (const char* step : {"same", "undone", "edited", "beside", "restored", "equal", "ungrouped"})
+  for (const char* step :
+       {"same", "undone", "edited", "beside", "restored", "kept", "past", "equal", "ungrouped"})
     EXPECT_EQ(r[step], true) << step;
 }
 

@@ -70,6 +70,33 @@ await report(server, async () => {
   }
   await page.waitForFunction(() => [...document.querySelectorAll('.group button')].find(b => b.textContent === 'Undo').disabled);
   result.restored = readFileSync(file, 'utf8') === original;
+  await idle();
+
+  // What an edit in here would run, variants of a value in here, and the state before one was kept.
+  await card('veins/photo').click();
+  await page.fill('#field-width', '52');
+  await page.waitForSelector('.card.priced');
+  result.price = await page.textContent('.price');
+  await page.keyboard.press('Escape');
+  await page.click('[aria-label="More for height"]');
+  await page.click('[role=menuitem]:has-text("Show variants")');
+  await page.fill('.variants form input:not([type])', '40, 64');
+  result.vary = await page.inputValue('.variants select');
+  await page.click('.variants button:text-is("Show variants")');
+  const varied = await until('the variants are done', s => s.variants && !s.variants.running);
+  result.tiles = varied.variants.tiles.map(t => t.state);
+  await page.locator('.tiles button').first().click();
+  await until('one is kept', s => s.nodes['veins/photo'].outputs.image?.hash === varied.variants.tiles[0].output.hash);
+  result.kept = readFileSync(file, 'utf8') === original.replace('height: 64', 'height: 40');
+  await page.waitForFunction(() => document.querySelector('.tiles [aria-pressed=true] b')?.textContent === '40');
+  await shot('subgraph_variants');
+  await idle();
+  await page.click('button:text-is("History")');
+  await page.locator('.states li', { hasText: 'height: 40' }).waitFor();
+  await page.locator('.states li').nth(1).locator('button:has-text("Restore")').click();
+  await until('the state before is back', s => s.nodes['veins/photo'].outputs.image?.hash === varied.variants.tiles[1].output.hash);
+  result.past = readFileSync(file, 'utf8') === original;
+  await page.click('button:text-is("History")');
   await page.click('.tools nav button >> nth=0');
   await card('sheet').waitFor();
   await page.click('button:text-is("Undo")');

@@ -274,8 +274,8 @@ void LiveGraph::vary(VariantsRequest request) {
     if (number == variants_made_) events_.add("variants", json_text(j));
   };
   auto next = std::make_shared<Variants>(
-      session_.evaluator(), registry_, Variants::Source{document_.read(), document_.file(), overrides_},
-      std::move(options), std::move(request), [this] { return ++previews_; }, tell);
+      session_.evaluator(), registry_, edited_graph(request.scope), std::move(options), std::move(request),
+      [this] { return ++previews_; }, tell);
   if (variants_) variants_->cancel();
   before = std::exchange(variants_, std::move(next));
   ++variants_made_;
@@ -289,10 +289,15 @@ void LiveGraph::cancel_variants() {
 }
 
 void LiveGraph::keep_variant(std::size_t tile) {
-  change([&](Document& d) {
+  Edit kept;
+  std::string scope;
+  {
+    const std::lock_guard lock(mutex_);
     if (!variants_) throw Error("unknown-variant", "there are no variants");
-    d.edit({variants_->edit(tile)});
-  });
+    kept = variants_->edit(tile);
+    scope = variants_->scope();
+  }
+  change([&](Document& d) { d.edit({kept}); }, scope);
 }
 
 void LiveGraph::note_end() {
@@ -308,7 +313,7 @@ void LiveGraph::note_end() {
   if (const auto rest = std::exchange(then_, {}); !rest.empty())
     begin(rest, true);
   else if (valid_)
-    past_.add(document_.text(), states_);
+    past_.add(texts(), states_);
   tell_run();
 }
 

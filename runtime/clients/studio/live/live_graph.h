@@ -70,10 +70,12 @@ class LiveGraph {
 
   // What these edits would cost, without making them: {nodes: [{path, seconds, reason, perhaps}], seconds},
   // for all nodes that a change evaluates. Seconds are those of the last computation, 0 if unknown. Throws
-  // what edit_document() throws, and Error with the first message if the graph would have errors.
-  nlohmann::json price(const std::vector<Edit>&);
+  // what edit_document() throws, and Error with the first message if the graph would have errors. `scope`: as
+  // for change().
+  nlohmann::json price(const std::vector<Edit>&, const std::string& scope = {});
 
-  // States after earlier evaluations of this document: see past_states.h. restore() is a step of undo.
+  // States after earlier evaluations of this document: see past_states.h. restore() is a step of undo, of the
+  // document and of each subgraph's file that it changes.
   nlohmann::json history();
   nlohmann::json past(std::size_t number);
   void restore(std::size_t number);
@@ -82,8 +84,8 @@ class LiveGraph {
   // Error "invalid-graph".
   void vary(VariantsRequest);
   void cancel_variants();
-  // Makes the document a variant, as a step of undo. Throws Error "unknown-variant" and what edit_document()
-  // throws.
+  // Makes the document, or the file of the subgraph, a variant, as a step of undo. Throws Error
+  // "unknown-variant" and what edit_document() throws.
   void keep_variant(std::size_t tile);
 
   // The document inside of a node that is a subgraph, by its path ("asset", "asset/part"), like the document
@@ -115,6 +117,9 @@ class LiveGraph {
   void document_changed();  // with mutex_ held, as all that follow
   // The file of a subgraph, by the path of its node, as it is now.
   Document& inside(const std::string& scope);
+  EditedGraph edited_graph(const std::string& scope);
+  bool varied();  // whether the variants are of the document as it is
+  PastStates::Texts texts() const;
   static void require_writable(const Document&);
   static void save_inside(Document&);
   void tell_document();
@@ -124,7 +129,7 @@ class LiveGraph {
   void begin(const std::vector<std::string>& targets, bool continues);
   void plan();
   static std::vector<std::string> safe_targets(const Graph&);
-  nlohmann::json document_json() const;
+  nlohmann::json document_json();
   nlohmann::json run_json() const;
   bool is_running() const;
   void tell_run();

@@ -18,7 +18,7 @@ bool has_messages(const NodeState& s) { return s.result.error || !s.result.warni
 
 }  // namespace
 
-json LiveGraph::document_json() const {
+json LiveGraph::document_json() {
   const RawDocument& read = document_.read().document;
   json out = json_of(read, registry_, !large_);
   if (valid_ && !large_) add_bypassed(out, *session_.graph(), "");
@@ -41,7 +41,7 @@ json LiveGraph::document_json() const {
   out["trouble"] = document_.trouble();
   out["disk_changed"] = disk_changed_;
   out["valid"] = valid_;
-  out["varied"] = variants_ && variants_->fit(document_.read());
+  out["varied"] = varied();
   out["messages"] = messages;
   return out;
 }

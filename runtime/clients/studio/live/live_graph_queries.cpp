@@ -14,12 +14,22 @@ namespace terrazzo::studio {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-json LiveGraph::price(const std::vector<Edit>& edits) {
+EditedGraph LiveGraph::edited_graph(const std::string& scope) {
+  const Document& edited = scope.empty() ? document_ : inside(scope);
+  return {.root = document_.read(),
+          .edited = edited.read(),
+          .root_file = document_.file(),
+          .file = edited.file(),
+          .overrides = overrides_};
+}
+
+json LiveGraph::price(const std::vector<Edit>& edits, const std::string& scope) {
   const std::lock_guard lock(mutex_);
-  std::string text = document_.text();
-  for (const auto& e : edits) text = edit_document(text, document_.file(), e);
+  const EditedGraph now = edited_graph(scope);
+  std::string text = now.edited.text;
+  for (const auto& e : edits) text = edit_document(text, now.file, e);
   Diagnostics found;
-  const Graph graph = load_graph_text(text, document_.file(), registry_, overrides_, found);
+  const Graph graph = now.link(text, registry_, found);
   if (has_errors(found)) throw Error(found.front());
   RunOptions options;
   options.targets = target_nodes(graph, safe_targets(graph));
@@ -51,7 +61,29 @@ json LiveGraph::past(std::size_t number) {
 }
 
 void LiveGraph::restore(std::size_t number) {
-  change([&](Document& d) { d.replace(past_.at(number).text); });
+  const std::lock_guard lock(mutex_);
+  note_end();
+  const PastStates::Texts then = past_.at(number).texts;
+  for (const auto& [file, text] : then.inside) {
+    Document& document = inside_.at(file);
+    if (document.read_only() || document.text() == text) continue;
+    document.replace(text);
+    save_inside(document);
+  }
+  document_.replace(then.graph);
+  document_changed();
+}
+
+PastStates::Texts LiveGraph::texts() const {
+  PastStates::Texts out{.graph = document_.text(), .inside = {}};
+  for (const auto& [file, document] : inside_) out.inside[file] = document.text();
+  return out;
+}
+
+bool LiveGraph::varied() try {
+  return variants_ && variants_->fit(edited_graph(variants_->scope()));
+} catch (const Error&) {
+  return false;  // there is no such subgraph now
 }
 
 Document& LiveGraph::inside(const std::string& scope) {
@@ -66,7 +98,9 @@ Document& LiveGraph::inside(const std::string& scope) {
     const fs::path file = (at->file().parent_path() / node->graph).lexically_normal();
     // A graph of a stranger must not change files elsewhere.
     const bool locked = document_.read_only() || !is_inside(document_.file().parent_path(), file);
-    at = &inside_.try_emplace(file, file, locked).first->second;
+    const auto [opened, first] = inside_.try_emplace(file, file, locked);
+    at = &opened->second;
+    if (first) past_.add_file(file, at->text());
     if (at->changed_on_disk()) at->reload();
     begin = end + 1;
   }

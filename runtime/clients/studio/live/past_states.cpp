@@ -53,26 +53,43 @@ std::string changes(const std::string& before, const std::string& now) {
 
 }  // namespace
 
-void PastStates::add(const std::string& text, const NodeStates& nodes) {
+std::string PastStates::Texts::joined() const {
+  std::string out = graph;
+  for (const auto& [file, text] : inside) out += "\n" + text;
+  return out;
+}
+
+std::size_t PastStates::Texts::bytes() const {
+  std::size_t out = graph.size();
+  for (const auto& [file, text] : inside) out += text.size();
+  return out;
+}
+
+void PastStates::add_file(const std::filesystem::path& file, const std::string& text) {
+  for (State& s : states_)
+    if (s.texts.inside.try_emplace(file, text).second) bytes_ += text.size();
+}
+
+void PastStates::add(Texts texts, const NodeStates& nodes) {
   State s{.number = made_ + 1,
-          .text = text,
+          .texts = std::move(texts),
           .changed = {},
           .when = std::chrono::system_clock::now(),
           .nodes = {}};
   for (const auto& [path, n] : nodes)
     if (n.state == "cached" || n.state == "computed") s.nodes[path] = n.result;
-  if (!states_.empty() && states_.back().text == text) {
+  if (!states_.empty() && states_.back().texts == s.texts) {
     s.number = states_.back().number;
     s.changed = states_.back().changed;
     states_.back() = std::move(s);
     return;
   }
   ++made_;
-  if (!states_.empty()) s.changed = changes(states_.back().text, text);
-  bytes_ += text.size();
+  if (!states_.empty()) s.changed = changes(states_.back().texts.joined(), s.texts.joined());
+  bytes_ += s.texts.bytes();
   states_.push_back(std::move(s));
   while (states_.size() > 1 && (states_.size() > kMostStates || bytes_ > kMostPastBytes)) {
-    bytes_ -= states_.front().text.size();
+    bytes_ -= states_.front().texts.bytes();
     states_.pop_front();
   }
 }
@@ -105,7 +122,7 @@ json json_of(const PastStates::State& s) {
       outputs[port] = {{"type", o.type}, {"hash", o.content.text()}, {"bytes", o.bytes}};
     nodes[path] = {{"outputs", outputs}, {"metrics", r.metrics}};
   }
-  return {{"number", s.number}, {"text", s.text}, {"nodes", nodes}};
+  return {{"number", s.number}, {"nodes", nodes}};
 }
 
 }  // namespace terrazzo::studio

@@ -102,7 +102,14 @@ struct Variants::Watcher : Observer {
   }
 };
 
-Variants::Variants(Evaluator& evaluator, const Registry& registry, Source source, RunOptions options,
+Graph EditedGraph::link(const std::string& text, const Registry& registry, Diagnostics& found) const {
+  if (file == root_file) return load_graph_text(text, root_file, registry, overrides, found);
+  Overrides with = overrides;
+  with.files[file] = text;
+  return load_graph_text(root.text, root_file, registry, with, found);
+}
+
+Variants::Variants(Evaluator& evaluator, const Registry& registry, EditedGraph source, RunOptions options,
                    VariantsRequest request, std::function<std::uint64_t()> preview_number,
                    std::function<void(const Json&)> tell)
     : evaluator_(evaluator),
@@ -160,8 +167,8 @@ void Variants::run() {
 void Variants::evaluate(std::size_t tile, bool quick) try {
   change(tile, [](Tile& t) { t.state = "running"; });
   Diagnostics found;
-  const ReadGraph edited = edit_document(source_.read, source_.file, edit(tile));
-  const Graph graph = load_graph_text(edited.text, source_.file, registry_, source_.overrides, found);
+  const ReadGraph edited = edit_document(source_.edited, source_.file, edit(tile));
+  const Graph graph = source_.link(edited.text, registry_, found);
   for (const auto& d : found)
     if (d.severity == Severity::Error) throw Error(d);
   const int node = graph.find(request_.node);
@@ -226,8 +233,13 @@ Json Variants::locked_json() const {
     if (t.preview) j["preview"] = {{"type", t.preview->value.type().name}, {"number", t.preview->number}};
     tiles.push_back(std::move(j));
   }
-  return {{"target", request_.target}, {"values", request_.values}, {"node", request_.node},
-          {"port", request_.port},     {"running", running_},       {"tiles", tiles}};
+  return {{"target", request_.target},
+          {"values", request_.values},
+          {"node", request_.node},
+          {"port", request_.port},
+          {"scope", request_.scope},
+          {"running", running_},
+          {"tiles", tiles}};
 }
 
 Edit Variants::edit(std::size_t tile) const {
@@ -236,9 +248,11 @@ Edit Variants::edit(std::size_t tile) const {
   return edit_of(points_[tile]);
 }
 
-bool Variants::fit(const ReadGraph& document) const try {
+bool Variants::fit(const EditedGraph& now) const try {
   const auto first = [&](const ReadGraph& read) { return edit_document(read, source_.file, edit(0)).text; };
-  return document.text == source_.read.text || first(document) == first(source_.read);
+  if (now.file != source_.file) return false;
+  if (now.file != now.root_file && now.root.text != source_.root.text) return false;
+  return now.edited.text == source_.edited.text || first(now.edited) == first(source_.edited);
 } catch (const Error&) {
   return false;
 }

@@ -23,32 +23,39 @@ struct VariantsRequest {
   std::string target;      // "NODE.PARAM", or a parameter of the graph
   std::string values;      // as parse_values() reads them
   std::string node, port;  // the output that is shown, by its path in the linked graph
+  std::string scope = {};  // of the target: the path of a subgraph's node, or "" for the graph itself
+};
+
+// A graph, and the text of it that edits change: its own, or that of a subgraph's file.
+struct EditedGraph {
+  ReadGraph root, edited;
+  std::filesystem::path root_file, file;
+  Overrides overrides;
+
+  // The graph with another text in place of the edited one.
+  Graph link(const std::string& text, const Registry&, Diagnostics& found) const;
 };
 
 // Evaluates the values one after another in its own thread: first all of them up to the first preview of the
 // output, then in full. A variant is what edit() makes of the document, so keeping it computes nothing again.
 class Variants {
  public:
-  struct Source {
-    ReadGraph read;
-    std::filesystem::path file;
-    Overrides overrides;
-  };
-
   // `tell` is called from any thread when json() has changed, and `preview_number` gives unused numbers. All
   // references must outlive this. Throws Error "usage" for values that are no list, "too-large" for too many.
-  Variants(Evaluator&, const Registry&, Source, RunOptions, VariantsRequest,
+  Variants(Evaluator&, const Registry&, EditedGraph, RunOptions, VariantsRequest,
            std::function<std::uint64_t()> preview_number, std::function<void(const nlohmann::json&)> tell);
   ~Variants();  // cancels and waits
 
-  // {target, values, node, port, running, tiles: [{value, state, doing, progress, seconds, output, shapes,
-  // preview, error}]}. The states of tiles: "waiting", "running", "preview", "done", "failed", "canceled".
+  const std::string& scope() const { return request_.scope; }
+  // {target, values, node, port, scope, running, tiles: [{value, state, doing, progress, seconds, output,
+  // shapes, preview, error}]}. The states of tiles: "waiting", "running", "preview", "done", "failed",
+  // "canceled".
   nlohmann::json json() const;
   void cancel();
-  // The edit of the document that makes it the variant. Throws Error "unknown-variant".
+  // The edit that makes it the variant. Throws Error "unknown-variant".
   Edit edit(std::size_t tile) const;
-  // Whether the document differs from what they are variants of in the varied value at most.
-  bool fit(const ReadGraph& document) const;
+  // Whether the graph differs from what they are variants of in the varied value at most.
+  bool fit(const EditedGraph&) const;
   // Of a tile's output or preview. Empty if no tile has it.
   std::optional<OutputRecord> record(const std::string& hash) const;
   Value preview(std::uint64_t number) const;
@@ -74,7 +81,7 @@ class Variants {
 
   Evaluator& evaluator_;
   const Registry& registry_;
-  const Source source_;
+  const EditedGraph source_;
   const RunOptions options_;
   const VariantsRequest request_;
   const SweepPoints points_;

@@ -125,7 +125,7 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
   using Out = httplib::Response;
   auto& http = server.http();
   http.Post("/api/price", server.handler([&live](const In&, const json& body, Out& out) {
-    LocalServer::answer(out, live.price(edits_of(body.at("edits"))));
+    LocalServer::answer(out, live.price(edits_of(body.at("edits")), scope_of(body)));
   }));
   http.Post("/api/paste", server.handler([&live](const In&, const json& body, Out& out) {
     json names = json::array();
@@ -176,7 +176,8 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     live.vary({.target = body.at("target").get<std::string>(),
                .values = body.at("values").get<std::string>(),
                .node = body.at("node").get<std::string>(),
-               .port = body.at("port").get<std::string>()});
+               .port = body.at("port").get<std::string>(),
+               .scope = scope_of(body)});
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
   http.Post("/api/variants/cancel", server.handler([&live](const In&, const json&, Out& out) {

@@ -69,5 +69,45 @@ TEST_F(VariantsTest, FailAlone) {
   EXPECT_EQ(live->state()["variants"]["target"], "gone.value");
 }
 
+// The file of a subgraph has the value; all nodes that use it follow.
+TEST_F(VariantsTest, VaryWhatIsInASubgraph) {
+  const auto part = folder / "part.yaml";
+  const std::string text =
+      "terrazzo: 1\nnodes:\n  c: {type: Constant, params: {value: 1}}\noutputs: {out: c.out}\n";
+  write_text_atomically(part, text);
+  open(
+      "terrazzo: 1\nnodes:\n  p: {graph: part.yaml}\n  q: {graph: part.yaml}\n"
+      "  sum: {type: Add, inputs: {a: p.out, b: q.out}}\n");
+  EXPECT_EQ(number(settled(), "sum"), 2);
+
+  const Edit seven{Edit::Kind::SetParameter, "c", "value", {false, {"7"}, {}}};
+  const json price = live->price({seven}, "p");
+  EXPECT_EQ(price["nodes"].size(), 3u) << price;
+  EXPECT_EQ(*read_file(part), text);
+  EXPECT_EQ(test::code_of([&] { live->price({seven}, "gone"); }), "unknown-node");
+
+  live->vary({.target = "c.value", .values = "1,5", .node = "sum", .port = "out", .scope = "p"});
+  const json all = tiles();
+  EXPECT_EQ(test::number_of(live->value(all[0]["output"]["hash"])), 2);
+  EXPECT_EQ(test::number_of(live->value(all[1]["output"]["hash"])), 10);
+  EXPECT_EQ(*read_file(part), text);
+  live->keep_variant(1);
+  json s = settled();
+  EXPECT_EQ(number(s, "sum"), 10);
+  EXPECT_EQ(s["document"]["varied"], true);
+  EXPECT_EQ(s["document"]["can_undo"], false);
+  EXPECT_NE(read_file(part)->find("value: 5"), std::string::npos);
+
+  // History has both states of the file.
+  when([&](const json&) { return live->history().size() == 2; });
+  EXPECT_NE(live->history()[1]["changed"].get<std::string>().find("value: 5"), std::string::npos);
+  live->restore(live->history()[0]["number"]);
+  s = settled();
+  EXPECT_EQ(number(s, "sum"), 2);
+  EXPECT_EQ(*read_file(part), text);
+  live->change([](Document& d) { d.undo(); }, "p");
+  EXPECT_EQ(number(settled(), "sum"), 10);
+}
+
 }  // namespace
 }  // namespace terrazzo

@@ -41,7 +41,7 @@ export function History() {
           <li key={e.number} aria-current={past?.number === e.number}>
             <time>{clock(e.when)}</time><span title={e.changed}>{e.changed || (k === list.length - 1 ? 'as opened' : 'lines removed')}{k === 0 && <em> now</em>}</span>
             <button aria-pressed={past?.number === e.number} onClick={() => (past?.number === e.number ? useStore.setState({ reference: null }) : void compare(e))} title="Compare results and measures with this state">Compare</button>
-            <button onClick={() => void post('/api/restore', { number: e.number })} title="Go back to this state; Undo returns">Restore</button>
+            <button onClick={() => void post('/api/restore', { number: e.number })} title="Go back to this state, also in subgraphs; Undo returns">Restore</button>
           </li>
         ))}
         {!list.length && <li className="none">States appear here when an evaluation ends.</li>}

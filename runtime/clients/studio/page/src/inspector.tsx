@@ -9,7 +9,7 @@ import { MenuButton, openMenu } from './menu';
 import { colorizeOf, FoundColors, isPalette, PaletteEditor } from './palette';
 import { percentText } from './progress';
 import { declarationOf, shownDoc, stateOf, valueOf } from './states';
-import { askPrice, bypass, edit, change, fullName, goToLine, isLocked, post, priceText, sourceOf, useStore } from './store';
+import { askPrice, bypass, edit, change, fullName, goToLine, isLocked, localName, post, priceText, sourceOf, useStore } from './store';
 import type { Doc, DocNode, Parameter, Written } from './types';
 
 function defaultText(p: Parameter): Written {
@@ -117,15 +117,15 @@ function NodeField({ node, ...field }: { node: DocNode } & Parameters<typeof Fie
   const found = useFoundColor(field.spec.kind === 'color' ? node : undefined, field.spec.name), from = sourceOf(field.value, { doc, inside, scope });
   if (!from) return <Field {...field} found={found} />;
   return <Field {...field} found={found} from={from.name} value={from.value} send={(value, merge) => edit(from.edits(value), merge, {}, from.scope)}
-    price={value => void askPrice(value === null ? null : from.edits(value))} />;
+    price={value => void askPrice(value === null ? null : from.edits(value), from.scope)} />;
 }
 
 // What else can be done with a parameter of a node.
 function FieldMenu({ node, spec, value }: { node: DocNode; spec: Parameter; value: Written }) {
   const doc = useStore(s => s.doc), inside = useStore(s => s.inside), scope = useStore(s => s.scope), from = sourceOf(value, { doc, inside, scope });
-  const vary = () => useStore.setState({ drawer: 'variants', vary: from ? from.name : `${node.name}.${spec.name}` });
+  const vary = () => useStore.setState({ drawer: 'variants', vary: from && !scope ? from.name : `${localName(node.name, scope)}.${spec.name}` });
   return <MenuButton label={`More for ${spec.name}`} items={[
-    ...(scope ? [] : [{ label: 'Show variants', act: vary }]),
+    { label: 'Show variants', act: vary },
     from ? { label: 'Give it a value of its own', act: () => void edit([{ op: 'set', node: node.name, name: spec.name, value: from.value }]) }
       : { label: `Make it a parameter of the ${scope ? 'sub' : ''}graph`, act: () => void change('/api/promote', { node: node.name.split('/').pop(), name: spec.name }) },
   ]} />;

@@ -13,13 +13,13 @@ export function rename(name: string) {
 interface Props { menu: { name: string; x: number; y: number }; chosen: string[]; close: () => void; duplicate: (name: string) => void; remove: (name: string) => void }
 
 export function NodeMenu({ menu: { name, x, y }, chosen, close, duplicate, remove }: Props) {
-  const node = useStore(s => shownDoc(s)?.nodes.find(n => n.name === name)), inside = useStore(s => !!s.scope), locked = useStore(isLocked);
+  const node = useStore(s => shownDoc(s)?.nodes.find(n => n.name === name)), locked = useStore(isLocked);
   if (!node) return null;
   const items: MenuItem[] = [
     ...(node.graph ? [{ label: 'Open', keys: 'Enter', act: () => void enter(name) }] : []),
     ...(node.graph && !locked ? [{ label: 'Copy into this graph', act: () => void change('/api/expand', { node: name.split('/').pop() }) }] : []),
     { label: 'Run to here', act: () => void post('/api/run', { targets: [name] }) },
-    ...(inside ? [] : [{ label: 'Show variants', act: () => useStore.setState({ drawer: 'variants' as const }) }]),
+    { label: 'Show variants', act: () => useStore.setState({ drawer: 'variants' as const }) },
     ...(locked ? [] : [
       { label: 'Rename', keys: 'F2', act: () => rename(name) },
       { label: 'Duplicate', keys: 'Ctrl+D', act: () => duplicate(name) },

@@ -164,7 +164,9 @@ export function PlaneView({ node }: { node: DocNode }) {
       <div className="cutting">
         <div className="pane">{!webGL && (volume ?? cut) ? <RenderedView value={volume ?? cut!.value} shapes={shapes} /> : solid ? <StageView solid={solid} plane={p.plane} onPlane={editable && p.plane ? p.drag : undefined} label="Block with its plane; drag the blue handle" />
           : <p className="none">{block.error || bodies.error || (cut ? 'Loading…' : 'There is nothing to cut yet.')}</p>}</div>
-        <div className="pictures"><Scaled value={section} title={`${node.name}.image`} view={view} set={setView} /><Scaled value={photo?.value} title={photo ? `${photo.target.node}.${photo.target.port}` : 'no photograph'} view={view} set={setView} /></div>
+        <div className="pictures"><Scaled value={section} title={`${node.name}.image`} view={view} set={setView} />
+          {photo ? <Scaled value={photo.value} title={`${photo.target.node}.${photo.target.port}`} view={view} set={setView} />
+            : <figure><p className="none">The graph has no photograph to compare the section with.</p></figure>}</div>
         <Figures node={node} />
       </div>
       <div className="options">{volume && bodies.data && <label><input type="checkbox" checked={binder} onChange={e => setBinder(e.target.checked)} /> Binder</label>}

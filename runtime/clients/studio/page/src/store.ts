@@ -60,7 +60,7 @@ const set = useStore.setState;
 // Whether what is shown is the inside of a subgraph that cannot be changed here.
 export const isLocked = (s: Pick<Store, 'inside'>) => !!s.inside?.read_only;
 // Names of nodes in the file that is shown, and their paths, which begin with the path of the subgraph.
-const localName = (path: string, scope: string) => (scope && path.startsWith(`${scope}/`) ? path.slice(scope.length + 1) : path);
+export const localName = (path: string, scope: string) => (scope && path.startsWith(`${scope}/`) ? path.slice(scope.length + 1) : path);
 export const fullName = (name: string, scope = useStore.getState().scope) => (scope ? `${scope}/${localName(name, scope)}` : name);
 
 export const select = (selected: string | null) => set(s => (s.selected === selected ? s : { selected, port: null, extra: '', dropper: null }));
@@ -144,9 +144,11 @@ function groupOf(what: string): string {
 }
 // `merge`: one of many edits while a control moves. `places`: where nodes go that the edits add.
 export function edit(edits: Edit[], merge = false, places: Arrangement['places'] = {}, scope = useStore.getState().scope): Promise<boolean> {
+  return change('/api/edit', { edits: localEdits(edits, scope), places: placesIn(places, name => localName(name, scope)), group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' }, scope);
+}
+function localEdits(edits: Edit[], scope: string): Edit[] {
   const local = (name: string) => localName(name, scope), maybe = (name: string | undefined) => name && local(name);
-  const own = edits.map(e => ({ ...e, node: maybe(e.node), name: maybe(e.name), to: maybe(e.to), wires: e.wires?.map(local) }));
-  return change('/api/edit', { edits: own, places: placesIn(places, local), group: merge ? groupOf(edits.map(e => `${e.node}.${e.name}`).join(' ')) : '' }, scope);
+  return edits.map(e => ({ ...e, node: maybe(e.node), name: maybe(e.name), to: maybe(e.to), wires: e.wires?.map(local) }));
 }
 export const placesIn = (places: Arrangement['places'], name: (n: string) => string): Arrangement['places'] =>
   places && Object.fromEntries(Object.entries(places).map(([n, at]) => [name(n), at]));
@@ -315,10 +317,10 @@ export const priceText = (p: Price) => {
 
 // The nodes that edits would run, and for how long.
 let asked = 0;
-export async function askPrice(edits: Edit[] | null): Promise<void> {
+export async function askPrice(edits: Edit[] | null, scope = useStore.getState().scope): Promise<void> {
   const number = ++asked;
-  if (!edits || useStore.getState().scope || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
-  const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits }) }).catch(() => null);
+  if (!edits || (useStore.getState().doc?.node_count ?? 0) > 500) return set({ price: null });
+  const answer = await fetch('/api/price', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ edits: localEdits(edits, scope), scope }) }).catch(() => null);
   if (number !== asked) return;
   set({ price: answer?.ok ? await answer.json() as Price : null });
 }

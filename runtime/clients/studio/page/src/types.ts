@@ -52,9 +52,9 @@ export interface Variant {
   value: string; state: 'waiting' | 'running' | 'preview' | 'done' | 'failed' | 'canceled'; doing: string; progress: number; seconds: number;
   output?: OutputValue; shapes?: OutputValue; preview?: { type: string; number: number }; error: string;
 }
-export interface Variants { target: string; values: string; node: string; port: string; running: boolean; tiles: Variant[] }
+export interface Variants { target: string; values: string; node: string; port: string; scope: string; running: boolean; tiles: Variant[] }
 export interface State { number: number; document: Doc; nodes: Record<string, NodeState>; run: Run; variants: Variants | null }
 export interface Note { x: number; y: number; width: number; height: number; text: string; frame: boolean }
 export interface Arrangement { places?: Record<string, [number, number]>; notes?: Note[] }
 export interface Price { nodes: { path: string; seconds: number; reason: string; perhaps: boolean }[]; seconds: number }
-export interface Past { number: number; text: string; nodes: Record<string, { outputs: Record<string, OutputValue>; metrics: Record<string, number> }> }
+export interface Past { number: number; nodes: Record<string, { outputs: Record<string, OutputValue>; metrics: Record<string, number> }> }

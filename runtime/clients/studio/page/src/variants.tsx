@@ -5,7 +5,7 @@ import { shownTarget } from './follow';
 import { secondsText } from './format';
 import { Facts, hasThumbnail, Thumbnail } from './peek';
 import { declarationOf, placeOf, shownDoc, splitWire } from './states';
-import { post, useStore } from './store';
+import { isLocked, localName, post, useStore } from './store';
 import type { Doc, NodeType, OutputValue, Variant, Variants, Written } from './types';
 
 interface Choice { target: string; group: string; spec: { kind: string; choices: string[]; min?: number; max?: number; min_open?: boolean }; value: Written }
@@ -23,13 +23,14 @@ function sources(name: string, doc: Doc, types: Map<string, NodeType>): string[]
   return found;
 }
 
-// Parameters that can change the shown result: of the graph, and of the nodes that it comes from.
-function choicesOf(doc: Doc, types: Map<string, NodeType>, shown: string): Choice[] {
-  const out: Choice[] = doc.parameters.map(p => ({ target: p.name, group: 'Graph', spec: p, value: p.value }));
+// Parameters that can change the shown result: of the graph, and of the nodes that it comes from. Those of a subgraph get their values
+// from its users.
+function choicesOf(doc: Doc, types: Map<string, NodeType>, shown: string, scope: string): Choice[] {
+  const out: Choice[] = scope ? [] : doc.parameters.map(p => ({ target: p.name, group: 'Graph', spec: p, value: p.value }));
   for (const name of sources(shown, doc, types)) {
     const node = doc.nodes.find(n => n.name === name);
     for (const p of (node && !node.bypass && declarationOf(node, types)?.parameters) || [])
-      out.push({ target: `${name}.${p.name}`, group: name, spec: p, value: node!.params[p.name]?.value ?? textOf(p.default) });
+      out.push({ target: `${localName(name, scope)}.${p.name}`, group: localName(name, scope), spec: p, value: node!.params[p.name]?.value ?? textOf(p.default) });
   }
   return out;
 }
@@ -95,7 +96,7 @@ const left = (v: Variants): string => {
 };
 
 export function VariantsPanel() {
-  const doc = useStore(s => s.doc), types = useStore(s => s.types), variants = useStore(s => s.variants);
+  const root = useStore(s => s.doc), doc = useStore(shownDoc), scope = useStore(s => s.scope), locked = useStore(isLocked), types = useStore(s => s.types), variants = useStore(s => s.variants);
   const shown = useStore(shownTarget, (a, b) => a?.node === b?.node && a?.port === b?.port);
   const place = useStore(s => { // of what the viewer shows
     const node = shown && shownDoc(s)?.nodes.find(n => n.name === shown.node);
@@ -103,27 +104,27 @@ export function VariantsPanel() {
   }, (a, b) => a?.path === b?.path && a?.port === b?.port);
   const chosen = useStore(s => s.vary), target = chosen || (variants?.target ?? '');
   const [typed, setTyped] = useState({ target: variants?.target ?? '', values: variants?.values ?? '' }), [size, setSize] = useState(170);
-  if (!doc) return null;
-  const choices = choicesOf(doc, types, (shown?.node ?? '').split('/')[0]), groups = [...new Set(choices.map(c => c.group))];
+  if (!root || !doc) return null;
+  const name = shown?.node ?? '', choices = locked ? [] : choicesOf(doc, types, scope ? name : name.split('/')[0], scope), groups = [...new Set(choices.map(c => c.group))];
   const seed = choices.find(c => /(^|\.)seed$/.test(c.target)) ?? choices[0];
   const choice = choices.find(c => c.target === target) ?? seed, list = (typed.target === choice?.target && typed.values) || (choice ? suggested(choice, doc) : '');
-  const known = variants && choices.find(c => c.target === variants.target);
+  const known = variants?.scope === scope && choices.find(c => c.target === variants.target);
   const finished = variants?.tiles.filter(t => t.state === 'done' || t.state === 'failed').length ?? 0;
   return (
     <section className="drawer variants" aria-label="Variants" style={{ '--tile': `${size}px` } as React.CSSProperties}>
-      <form onSubmit={e => { e.preventDefault(); if (place && choice) void post('/api/variants', { target: choice.target, values: list, node: place.path, port: place.port }); }}>
+      <form onSubmit={e => { e.preventDefault(); if (place && choice) void post('/api/variants', { target: choice.target, values: list, node: place.path, port: place.port, scope }); }}>
         <label>Vary <select value={choice?.target ?? ''} onChange={e => useStore.setState({ vary: e.target.value })}>
           {groups.map(g => <optgroup key={g} label={g}>{choices.filter(c => c.group === g).map(c => <option key={c.target} value={c.target}>{c.target}</option>)}</optgroup>)}</select></label>
         <label>Values <input value={list} size={26} spellCheck={false} title="A list such as 1, 2, 3, or a range such as 0.2:0.5:0.1" onChange={e => setTyped({ target: choice?.target ?? '', values: e.target.value })} /></label>
         {variants?.running ? <button type="button" onClick={() => void post('/api/variants/cancel')}>Cancel variants</button>
-          : <button className="primary" disabled={!place || !choice || !list.trim() || !doc.valid}>Show variants</button>}
-        <em role="status">{variants ? `${variants.node}.${variants.port}: ${finished} of ${variants.tiles.length}${variants.running ? left(variants) : ''}` : place ? `of ${place.path}.${place.port}` : 'Show a result first'}</em>
-        {variants && !doc.varied && <em className="warning">of an earlier graph</em>}
+          : <button className="primary" disabled={!place || !choice || !list.trim() || !root.valid}>Show variants</button>}
+        <em role="status">{variants ? `${variants.node}.${variants.port}: ${finished} of ${variants.tiles.length}${variants.running ? left(variants) : ''}` : locked ? 'This file is not changed here' : place ? `of ${place.path}.${place.port}` : 'Show a result first'}</em>
+        {variants && !root.varied && <em className="warning">of an earlier graph</em>}
         <span className="space" /><label>Size <input type="range" min={110} max={420} step={10} value={size} onChange={e => setSize(Number(e.target.value))} /></label>
       </form>
       {variants ? (
         <ul className="tiles" aria-label={`Variants of ${variants.target}`} onKeyDown={walk}>
-          {variants.tiles.map((t, k) => <Tile key={k} tile={t} index={k} target={variants.target} size={size > 240 ? 1024 : 512} kept={!!known && doc.varied && words(known.value) === words(t.value)} />)}
+          {variants.tiles.map((t, k) => <Tile key={k} tile={t} index={k} target={variants.target} size={size > 240 ? 1024 : 512} kept={!!known && root.varied && words(known.value) === words(t.value)} />)}
         </ul>
       ) : <p className="none">Choose a parameter and values. Each value shows the result in view; a click on one keeps it.</p>}
     </section>
