@@ -96,9 +96,10 @@ std::size_t GrowthShapes::triangles() const {
 void GrowthShapes::prepare(const Shapes& shapes, const Particles& p, const Work& work, double most) {
   if (p.count() == 0) return;
   make_finest(shapes, p, work);
-  assign(shapes, p, 0, work);
-  const auto [smallest, largest] = std::minmax_element(p.size.begin(), p.size.end());
-  for (double fine = *smallest; static_cast<double>(triangles()) > most && fine < 16 * *largest;) {
+  const double largest = *std::max_element(p.size.begin(), p.size.end());
+  double fine = 0.5 * largest;
+  assign(shapes, p, fine, work);
+  while (static_cast<double>(triangles()) > most && fine < 16 * largest) {
     fine *= std::numbers::sqrt2;
     assign(shapes, p, fine, work);
   }

@@ -16,10 +16,10 @@ struct GrowthShape {
   std::vector<Vec3> outposts;  // its farthest vertices along many directions
 };
 
-// Each particle gets a mesh of its own, so the shapes are simplified: within 0.5 % of their size. If all
-// particles together would have more than `most` triangles, those below some size get meshes that are only as
-// fine as those of this size, in mm: within 1, 2 or 4 % of their own. The size is the smallest one that keeps
-// the limit.
+// Each particle gets a mesh of its own, so the shapes are simplified: within 0.5 % of their size. Those below
+// half the largest size get meshes that are only as fine as those of this size, in mm: within 1, 2 or 4 % of
+// their own. If all particles together would have more than `most` triangles, those below a larger size do:
+// the smallest one that keeps the limit.
 class GrowthShapes {
  public:
   static constexpr double kMost = 2.5e6;

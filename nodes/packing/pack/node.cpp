@@ -105,7 +105,7 @@ namespace terrazzo {
 
 NodeType pack_node() {
   using namespace pack;
-  NodeType type("Pack", 15);
+  NodeType type("Pack", 16);
   type.doc_(
           "Packs particles of any density into a periodic box: rigid particles where they fit (as Anneal), "
           "particles grown into each other where they do not, and a tessellation where there is no binder "

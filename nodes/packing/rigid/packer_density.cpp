@@ -37,7 +37,7 @@ void Packer::estimate() {
   if (!reachable_.jammed) budget_.expected = 1.3 * reachable_.steps + 100;
   // A sample that takes longer than all particles may is as good as jammed.
   const bool hopeless = reachable_.jammed || reachable_.steps > options_.iterations;
-  const double least = options_.on_jam == OnJam::Fail ? requested - kHopeless : options_.least;
+  const double least = options_.on_jam == OnJam::Fail ? requested - kHopeless : options_.least / kBelow;
   if (hopeless && result_.reachable <= least)
     throw Error(
         "jammed",

@@ -25,7 +25,8 @@ struct PackOptions {
   bool lying = false;
   std::vector<double> long_axes;  // radians; directions of lying particles' long axes; empty: at random
   int iterations = 6000;          // steps until the particles are considered jammed; see Budget
-  // Shrink: volume fraction that must be reached; refused at once if a sample of the particles jams below it.
+  // Shrink: volume fraction that must be reached; refused at once if a sample of the particles jams below it,
+  // or so little above that all would.
   double least = 0;
   // Called if the packing is canceled after particles have been moved, before Cancelled is thrown: with the
   // densest packing found that is free of overlap, or if there is none, with the current one. As `start` of

@@ -20,7 +20,7 @@ namespace terrazzo {
 
 NodeType tessellate_node() {
   using namespace tessellate;
-  NodeType type("Tessellate", 7);
+  NodeType type("Tessellate", 8);
   type.doc_(
           "Fills a periodic box with particles of given volumes, for granite, breccia, gravel, metals and "
           "ceramics, which are denser than rigid particles can be packed. Each particle has its own shape.")
