@@ -112,7 +112,7 @@ await report(server, async () => {
   const overprinted = () => page.evaluate(() => {
     const leaves = [...document.querySelectorAll('.top *, .tools *, .viewer *, .inspector *, .drawer *')].filter(e => e.checkVisibility() && !e.closest('.panzoom, .stage3d, svg, .tiles, .sr') && (e.matches('input, button, select, canvas') || [...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())));
     const boxes = leaves.map(e => {
-      const r = e.getBoundingClientRect(), s = e.closest('.stage, .inspector, .drawer, .app').getBoundingClientRect(); // which clips it
+      const r = e.getBoundingClientRect(), s = e.closest('.tabs .ports, .stage, .inspector, .drawer, .app').getBoundingClientRect(); // which clips it
       return { e, r: { left: Math.max(r.left, s.left), right: Math.min(r.right, s.right), top: Math.max(r.top, s.top), bottom: Math.min(r.bottom, s.bottom) } };
     }).filter(({ r }) => r.left < r.right && r.top < r.bottom);
     return boxes.flatMap(({ e, r }, k) => boxes.slice(k + 1).filter(({ e: f, r: s }) => !e.contains(f) && !f.contains(e) && r.left < s.right - 1 && s.left < r.right - 1 && r.top < s.bottom - 1 && s.top < r.bottom - 1)

@@ -103,7 +103,7 @@ export function Canvas() {
     const hidden = [...groups].filter(([card, nodes]) => !opened.includes(card) && nodes.some(n => n.name === selected)).map(([card]) => card);
     if (all && hidden.length) useStore.setState({ unfolded: { ...unfolded, ...Object.fromEntries(hidden.map(c => [c, all.file])) } });
   }, [all, groups, open, selected]);
-  const lit = useStore(s => (s.price ? s.price.nodes.map(n => n.path) : Object.entries(s.nodes).filter(([, n]) => n.state === 'running' || n.state === 'waiting').map(([p]) => p))
+  const lit = useStore(s => (s.price ? s.price.nodes.map(n => n.path) : Object.entries(s.nodes).filter(([, n]) => n.state === 'running').map(([p]) => p))
     .map(p => (s.scope && p.startsWith(s.scope + '/') ? `${s.scope}/${p.slice(s.scope.length + 1).split('/')[0]}` : p.split('/')[0])).join(' '));
   const notes = useStore(s => s.arrangement.notes), arranged = useStore(s => s.arrangement.places), thumbnails = useStore(s => s.thumbnails);
   const flow = useReactFlow<AnyNode>();
@@ -233,8 +233,8 @@ export function Canvas() {
 
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, selected: cuts.has(e.id), className: running.has(e.target) ? 'lit' : '' })) : [];
-  }, [doc, types, lit, cuts]);
+    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, selected: cuts.has(e.id), className: `${running.has(e.target) ? 'lit ' : ''}${e.source === chosenCard || e.target === chosenCard ? 'own' : ''}` })) : [];
+  }, [doc, types, lit, cuts, chosenCard]);
 
   const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
     const isNote = (c: NodeChange<AnyNode>) => 'id' in c && c.id.startsWith('note ');

@@ -72,7 +72,7 @@ function Row({ file, folder }: { file: Written; folder: string }) {
       <td className={state?.state === 'failed' ? 'bad' : 'warning'}>{said}</td>
       <td className="acts">
         {exists ? <a className="button" href={`/api/output?path=${encodeURIComponent(file.path)}`} download={file.path.split('/').pop()}>Download</a> : <span />}
-        <button onClick={() => void copy(`${folder}/${file.path}`)} title={`Copy ${folder}/${file.path}`}>Copy path</button>
+        <button className="path" onClick={() => void copy(`${folder}/${file.path}`)} title={`Copy ${folder}/${file.path}`}>Copy path</button>
         <button disabled={state?.state === 'running'} onClick={() => void post('/api/run', { targets: [file.node] })} title={`Compute what ${file.path} needs, and write it`}>Write</button>
       </td>
     </tr>

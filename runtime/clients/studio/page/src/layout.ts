@@ -1,5 +1,6 @@
 import dagre from '@dagrejs/dagre';
 
+import { isFolded } from './folded';
 import { declarationOf, splitWire } from './states';
 import { useStore } from './store';
 import type { Doc, DocNode, NodeType, Port } from './types';
@@ -20,12 +21,13 @@ export function nodeSize(n: DocNode, types: Map<string, NodeType>) {
   const d = declarationOf(n, types), all = d?.inputs ?? [], shown = inputsShown(n, all).length;
   const size = sizeOf(shown + (shown < all.length ? 1 : 0), d?.outputs.length ?? 0);
   if (n.parts?.length) size.height += 16; // its corrections
+  if (isFolded(n.name)) size.width += 24; // room for "10 outputs" in the largest letters
   if (useStore.getState().thumbnails && d?.outputs.some(p => ['Image', 'Labels'].includes(p.types[0]))) size.height += thumbHeight;
   return size;
 }
 
-// Places of nodes from left to right, and how many columns they have.
-function inColumns(nodes: DocNode[], doc: Doc, types: Map<string, NodeType>): { at: Record<string, { x: number; y: number }>; columns: number[] } {
+// Places of nodes from left to right, and the middles of their columns.
+function inColumns(nodes: DocNode[], doc: Doc, types: Map<string, NodeType>): { at: Record<string, { x: number; y: number }>; middle: (n: DocNode) => number; columns: number[] } {
   const g = new dagre.graphlib.Graph();
   g.setGraph({ rankdir: 'LR', nodesep: 16, ranksep: columnGap });
   g.setDefaultEdgeLabel(() => ({}));
@@ -38,17 +40,18 @@ function inColumns(nodes: DocNode[], doc: Doc, types: Map<string, NodeType>): { 
       }
   dagre.layout(g);
   const at = Object.fromEntries(nodes.map(n => { const p = g.node(n.name); return [n.name, { x: p.x - p.width / 2, y: p.y - p.height / 2 }]; }));
-  return { at, columns: [...new Set(Object.values(at).map(p => p.x))].sort((a, b) => a - b) };
+  const middle = (n: DocNode) => g.node(n.name).x;
+  return { at, middle, columns: [...new Set(nodes.map(middle))].sort((a, b) => a - b) };
 }
 
 // What has too many columns for legible names beside the viewer goes on in a next row, as text does.
 export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
-  const { at, columns } = inColumns(doc.nodes, doc, types), rows = Math.ceil(columns.length / mostColumns);
+  const { at, middle, columns } = inColumns(doc.nodes, doc, types), rows = Math.ceil(columns.length / mostColumns);
   if (rows < 2) return at;
   const perRow = Math.ceil(columns.length / rows), out: typeof at = {};
   let top = 0;
   for (let row = 0; row < rows; ++row) {
-    const nodes = doc.nodes.filter(n => Math.floor(columns.indexOf(at[n.name].x) / perRow) === row), own = inColumns(nodes, doc, types).at;
+    const nodes = doc.nodes.filter(n => Math.floor(columns.indexOf(middle(n)) / perRow) === row), own = inColumns(nodes, doc, types).at;
     for (const n of nodes) out[n.name] = { x: own[n.name].x, y: own[n.name].y + top };
     top = rowGap + Math.max(...nodes.map(n => out[n.name].y + nodeSize(n, types).height));
   }
