@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "nodes/data/image.h"
+#include "nodes/data/table.h"
+#include "nodes/data/volume.h"
 #include "tests/support/code_of.h"
 #include "tests/support/run_node.h"
 
@@ -38,6 +40,26 @@ TEST(TryRoute, PassesWhatThePhotographShowsOrWasAskedFor) {
     EXPECT_EQ(code(image, "particles", "phases"), "not-asked");
     EXPECT_EQ(code(image, "exemplar", "phases"), "not-asked");
   }
+}
+
+// A texture is made where nothing else convinces.
+TEST(TryRoute, ATextureIsTheLastWay) {
+  const Value image = Value::of(Image(8, 8, 1, 0.1));
+  const auto observers = [](double a, double b) {
+    return Value::of(Table{{"observer", "accuracy %"}, {{"patterns", a}, {"features", b}}});
+  };
+  const auto code = [&](std::multimap<std::string, Value> inputs, const char* asked = "auto") {
+    inputs.emplace("image", image);
+    return test::code_of([&] {
+      test::run_node("TryRoute", inputs, {{"route", "exemplar"}, {"asked", asked}});
+    });
+  };
+  EXPECT_EQ(code({}), "");
+  EXPECT_EQ(code({{"observers", observers(60, 89)}}), "not-wanted");
+  EXPECT_EQ(code({{"observers", observers(60, 89)}}, "exemplar"), "");
+  EXPECT_EQ(code({{"observers", observers(95, 60)}}), "");
+  EXPECT_EQ(code({{"observers", observers(95, 60)}, {"phases", Value::of(Volume{})}}), "not-wanted");
+  EXPECT_EQ(code({{"phases", Value::of(Volume{})}}, "exemplar"), "");
 }
 
 }  // namespace
