@@ -235,6 +235,7 @@ TEST_F(StudioPage, ShowsComparesAndCuts) {
   EXPECT_EQ(r["not_sent"], true);
   EXPECT_EQ(r["wipe"], "40");
   EXPECT_GE(r["states"], 4);
+  EXPECT_EQ(r["pictures"], r["states"]);
   EXPECT_EQ(r["inside"], "inner");
   EXPECT_EQ(r["note"], "Why marble?");
   EXPECT_EQ(r["tab"], 1);

@@ -179,6 +179,7 @@ await report(server, async () => {
   result.states = await page.locator('.states li').count();
   await page.locator('.states li').last().locator('button:has-text("Compare")').click();
   await page.waitForSelector('.differ table, .differ p');
+  result.pictures = await sooner(() => page.locator('.states .thumb canvas').count(), n => n > 3);
   await shot('history');
   await check('history');
   await page.locator('.states li').last().locator('button:has-text("Restore")').click();

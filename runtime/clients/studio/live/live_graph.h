@@ -76,7 +76,7 @@ class LiveGraph {
 
   // States after earlier evaluations of this document: see past_states.h. restore() is a step of undo, of the
   // document and of each subgraph's file that it changes.
-  nlohmann::json history();
+  nlohmann::json history(const std::string& node = {}, const std::string& port = {});
   nlohmann::json past(std::size_t number);
   void restore(std::size_t number);
 

@@ -50,9 +50,9 @@ json LiveGraph::price(const std::vector<Edit>& edits, const std::string& scope) 
   return {{"nodes", nodes}, {"seconds", seconds}};
 }
 
-json LiveGraph::history() {
+json LiveGraph::history(const std::string& node, const std::string& port) {
   const std::lock_guard lock(mutex_);
-  return past_.list();
+  return past_.list(node, port);
 }
 
 json LiveGraph::past(std::size_t number) {

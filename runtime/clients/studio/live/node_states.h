@@ -39,6 +39,7 @@ using NodeStates = std::map<std::string, NodeState>;
 
 nlohmann::json json_of(const NodeState&);
 nlohmann::json json_of(const Diagnostic&);
+nlohmann::json json_of(const OutputRecord&);
 
 // The states of a plan. Keeps what earlier runs found, and of nodes that the plan does not need also their
 // states unless the graph has `changed`.

@@ -99,12 +99,16 @@ void PastStates::clear() {
   bytes_ = 0;
 }
 
-json PastStates::list() const {
+json PastStates::list(const std::string& node, const std::string& port) const {
   json out = json::array();
-  for (const auto& s : states_)
+  for (const auto& s : states_) {
     out.push_back({{"number", s.number},
                    {"changed", s.changed},
                    {"when", std::chrono::duration<double>(s.when.time_since_epoch()).count()}});
+    if (const auto result = s.nodes.find(node); result != s.nodes.end())
+      if (const auto o = result->second.outputs.find(port); o != result->second.outputs.end())
+        out.back()["output"] = json_of(o->second);
+  }
   return out;
 }
 
@@ -118,8 +122,7 @@ json json_of(const PastStates::State& s) {
   json nodes = json::object();
   for (const auto& [path, r] : s.nodes) {
     json outputs = json::object();
-    for (const auto& [port, o] : r.outputs)
-      outputs[port] = {{"type", o.type}, {"hash", o.content.text()}, {"bytes", o.bytes}};
+    for (const auto& [port, o] : r.outputs) outputs[port] = json_of(o);
     nodes[path] = {{"outputs", outputs}, {"metrics", r.metrics}};
   }
   return {{"number", s.number}, {"nodes", nodes}};

@@ -37,8 +37,9 @@ class PastStates {
   // A file of a subgraph, which no state has changed so far.
   void add_file(const std::filesystem::path&, const std::string& text);
   void clear();
-  // [{number, changed, when: seconds since 1970}], oldest first.
-  nlohmann::json list() const;
+  // [{number, changed, when: seconds since 1970, output}], oldest first. `output`: {type, hash, bytes} of the
+  // node's port, if the state has it.
+  nlohmann::json list(const std::string& node = {}, const std::string& port = {}) const;
   // Throws Error "unknown-state".
   const State& at(std::size_t number) const;
 

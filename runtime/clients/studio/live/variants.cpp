@@ -57,10 +57,6 @@ std::optional<OutputRecord> shapes_of(const Graph& graph, const RunResult& resul
   return {};
 }
 
-Json json_of(const OutputRecord& o) {
-  return {{"type", o.type}, {"hash", o.content.text()}, {"bytes", o.bytes}};
-}
-
 }  // namespace
 
 // Receives the events of one evaluation of a tile.

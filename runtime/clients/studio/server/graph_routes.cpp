@@ -162,8 +162,8 @@ void add_graph_routes(LocalServer& server, LiveGraph& live, const Registry& regi
     change(live, body, [&](Document& d) { collapse(d, body, registry); });
     LocalServer::answer(out, {{"number", live.events().last()}});
   }));
-  http.Get("/api/history", server.handler([&live](const In&, const json&, Out& out) {
-    LocalServer::answer(out, live.history());
+  http.Get("/api/history", server.handler([&live](const In& in, const json&, Out& out) {
+    LocalServer::answer(out, live.history(in.get_param_value("node"), in.get_param_value("port")));
   }));
   http.Get("/api/history/([0-9]{1,9})", server.handler([&live](const In& in, const json&, Out& out) {
     LocalServer::answer(out, live.past(number_in_text<std::size_t>(in.matches[1].str()).value_or(0)));

@@ -97,6 +97,10 @@ TEST_F(LiveGraphTest, EarlierStatesAreKeptAndComeBack) {
   const json list = live->history();
   EXPECT_EQ(list[0]["changed"], "");
   EXPECT_EQ(list[1]["changed"], "b: value: 7");
+  EXPECT_FALSE(list[0].contains("output"));
+  const json seen = live->history("sum", "out");
+  EXPECT_EQ(test::number_of(live->value(seen[0]["output"]["hash"])), first);
+  EXPECT_NE(seen[0]["output"], seen[1]["output"]);
   const json past = live->past(list[0]["number"]);
   EXPECT_EQ(test::number_of(live->value(past["nodes"]["sum"]["outputs"]["out"]["hash"])), first);
   live->restore(list[0]["number"]);

@@ -231,10 +231,11 @@ export function Canvas() {
   }, []);
   useEffect(() => setCuts(new Set()), [doc]);
 
+  const wires = useMemo(() => (doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types) : []), [doc, types]);
   const edges = useMemo(() => {
     const running = new Set(lit.split(' '));
-    return doc && countOf(doc) <= kMostNodes ? wiresOf(doc, types).map(e => ({ ...e, selected: cuts.has(e.id), className: `${running.has(e.target) ? 'lit ' : ''}${e.source === chosenCard || e.target === chosenCard ? 'own' : ''}` })) : [];
-  }, [doc, types, lit, cuts, chosenCard]);
+    return wires.map(e => ({ ...e, selected: cuts.has(e.id), className: `${running.has(e.target) ? 'lit ' : ''}${e.source === chosenCard || e.target === chosenCard ? 'own' : ''}` }));
+  }, [wires, lit, cuts, chosenCard]);
 
   const onNodesChange = useCallback((changes: NodeChange<AnyNode>[]) => {
     const isNote = (c: NodeChange<AnyNode>) => 'id' in c && c.id.startsWith('note ');

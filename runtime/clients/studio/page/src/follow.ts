@@ -59,8 +59,9 @@ export function imagesOf(s: Seen): Target[] {
   }) : [];
 }
 
-// The node of the main picture, whether it is there or not.
-export const mainNode = (s: Seen): string => { const doc = shownDoc(s); return (doc && picturesOf(doc, s.types)[0]?.node) ?? ''; };
+// The main picture, whether it is there or not.
+export const mainPicture = (s: Seen): Target | undefined => { const doc = shownDoc(s); return doc ? picturesOf(doc, s.types)[0] : undefined; };
+export const mainNode = (s: Seen): string => mainPicture(s)?.node ?? '';
 
 // What the viewer shows: what is pinned, selected, or the material.
 export function shownTarget(s: ReturnType<typeof useStore.getState>): Target | null {

@@ -1,10 +1,13 @@
 import { useEffect, useState } from 'react';
 
+import { mainPicture } from './follow';
 import { numberText } from './format';
+import { hasThumbnail, Thumbnail } from './peek';
+import { placeOf, shownDoc } from './states';
 import { post, useStore } from './store';
-import type { NodeState, Past } from './types';
+import type { NodeState, OutputValue, Past } from './types';
 
-interface Entry { number: number; changed: string; when: number }
+interface Entry { number: number; changed: string; when: number; output?: OutputValue }
 
 // Measures that differ between two states, with both values.
 function differences(past: Past, nodes: Record<string, NodeState>): { name: string; before: number | undefined; now: number | undefined }[] {
@@ -23,11 +26,15 @@ const text = (v: number | undefined) => (v === undefined ? '–' : numberText(v)
 export function History() {
   const [list, setList] = useState<Entry[]>([]);
   const doc = useStore(s => s.doc), run = useStore(s => s.run), nodes = useStore(s => s.nodes), reference = useStore(s => s.reference);
+  const main = useStore(s => { // what shows the material
+    const at = mainPicture(s), node = at && shownDoc(s)?.nodes.find(n => n.name === at.node), place = node && placeOf(node, at!.port, s.nodes);
+    return place ? `node=${encodeURIComponent(place.path)}&port=${place.port}` : '';
+  });
   useEffect(() => {
     let current = true;
-    void fetch('/api/history').then(a => a.json()).then((l: Entry[]) => current && setList(l)).catch(() => {});
+    void fetch(`/api/history?${main}`).then(a => a.json()).then((l: Entry[]) => current && setList(l)).catch(() => {});
     return () => { current = false; };
-  }, [doc?.text, run.running]);
+  }, [doc?.text, run.running, main]);
   const compare = async (e: Entry) => {
     const answer = await fetch(`/api/history/${e.number}`), past = await answer.json();
     if (answer.ok) useStore.setState({ reference: { label: `the state of ${clock(e.when)}`, past: past as Past } });
@@ -39,7 +46,7 @@ export function History() {
       <ol className="states" tabIndex={0} aria-label="Earlier states">
         {[...list].reverse().map((e, k) => (
           <li key={e.number} aria-current={past?.number === e.number}>
-            <time>{clock(e.when)}</time><span title={e.changed}>{e.changed || (k === list.length - 1 ? 'as opened' : 'lines removed')}{k === 0 && <em> now</em>}</span>
+            {hasThumbnail(e.output) && <Thumbnail value={e.output!} most={160} />}<div><time>{clock(e.when)}</time><span title={e.changed}>{e.changed || (k === list.length - 1 ? 'as opened' : 'lines removed')}{k === 0 && <em> now</em>}</span></div>
             <button aria-pressed={past?.number === e.number} onClick={() => (past?.number === e.number ? useStore.setState({ reference: null }) : void compare(e))} title="Compare results and measures with this state">Compare</button>
             <button onClick={() => void post('/api/restore', { number: e.number })} title="Go back to this state, also in subgraphs; Undo returns">Restore</button>
           </li>

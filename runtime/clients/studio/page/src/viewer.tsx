@@ -82,7 +82,7 @@ export function Viewer() {
   const pinned = useStore(s => s.pinned), port = useStore(s => s.port), wide = useStore(s => s.wide);
   const selected = useStore(s => (seesNothing(s) ? null : s.selected));
   const auto = useStore(s => (s.pinned || (s.selected && !seesNothing(s)) ? null : followed(s)), (a, b) => a?.node === b?.node && a?.port === b?.port);
-  const follows = useStore(s => !s.selected); // otherwise a picture that a person works on would change its size
+  const follows = useStore(s => !s.selected || seesNothing(s)); // otherwise a picture that a person works on would change its size
   const gallery = useStore(s => (auto && s.run.running && auto.node !== mainNode(s) ? galleryPicture(s.doc, s.start) : null));
   const dropper = useStore(s => s.dropper), sources = useStore(s => (s.dropper ? imagesOf(s) : none), (a, b) => JSON.stringify(a) === JSON.stringify(b));
   const [source, setSource] = useState<Target | null>(null);
