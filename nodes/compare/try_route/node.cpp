@@ -4,6 +4,7 @@
 
 #include "graph/node_type.h"
 #include "nodes/data/image.h"
+#include "nodes/data/profiles.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 #include "nodes/media/micrograph/recommend.h"
@@ -22,6 +23,21 @@ void require_shown(const Image& image, const std::string& route, const Work& wor
         better.phases ? "shows-phases" : "shows-particles",
         fmt::format("{} It is better taken for {}", better.why, better.phases ? "phases" : "particles"),
         fmt::format("to take it for {0} all the same, ask for '{0}'", route))
+        .parameter("asked");
+}
+
+// Share of uncertain profiles. 17 photographs of particles had at most 0.22, walls and wood 0.32 or more.
+constexpr double kUncertain = 0.25;
+
+void require_certain(const Profiles& found) {
+  const auto& profiles = found.profiles;
+  const auto uncertain =
+      std::count_if(profiles.begin(), profiles.end(), [](const Profile& p) { return p.confidence < 0.5; });
+  if (static_cast<double>(uncertain) > kUncertain * static_cast<double>(profiles.size()))
+    throw Error("shows-no-particles",
+                fmt::format("{} of {} profiles are uncertain, so the photograph hardly shows particles",
+                            uncertain, profiles.size()),
+                "to take it for particles all the same, ask for 'particles'")
         .parameter("asked");
 }
 
@@ -55,6 +71,7 @@ void compute(Context& c) {
       require_wanted(c);
     else
       require_shown(c.input<Image>("image"), route, c.work());
+    if (const Profiles* found = c.optional<Profiles>("profiles")) require_certain(*found);
   }
   c.output("image", c.value("image"));
 }
@@ -71,6 +88,7 @@ NodeType try_route_node() {
           "Passes a photograph on if this way to a solid is to be tried; otherwise fails at once. Use it at "
           "the beginning of a subgraph that may fail.")
       .input("image", "Image", "Photograph")
+      .optional_input("profiles", {"Profiles"}, "particles: those that Segment found")
       .optional_input("phases", {"Volume"}, "exemplar: a solid of phases, which is preferred")
       .optional_input("observers", {"Table"},
                       "exemplar: `table` of TextureObserver, for the photograph and the particles' picture")

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "nodes/data/image.h"
+#include "nodes/data/profiles.h"
 #include "nodes/data/table.h"
 #include "nodes/data/volume.h"
 #include "tests/support/code_of.h"
@@ -40,6 +41,22 @@ TEST(TryRoute, PassesWhatThePhotographShowsOrWasAskedFor) {
     EXPECT_EQ(code(image, "particles", "phases"), "not-asked");
     EXPECT_EQ(code(image, "exemplar", "phases"), "not-asked");
   }
+}
+
+TEST(TryRoute, MostProfilesAreCertain) {
+  const Image discs = drawn([](int x, int y) { return std::hypot(x % 32 - 16, y % 32 - 16) < 11; });
+  const auto code = [&](int uncertain, const char* asked) {
+    Profiles found;
+    found.profiles.resize(8);
+    for (int k = 0; k < uncertain; ++k) found.profiles[k].confidence = 0.3;
+    return test::code_of([&] {
+      test::run_node("TryRoute", {{"image", Value::of(discs)}, {"profiles", Value::of(found)}},
+                     {{"asked", asked}});
+    });
+  };
+  EXPECT_EQ(code(2, "auto"), "");
+  EXPECT_EQ(code(3, "auto"), "shows-no-particles");
+  EXPECT_EQ(code(8, "particles"), "");
 }
 
 // A texture is made where nothing else convinces.
