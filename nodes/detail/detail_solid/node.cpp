@@ -174,7 +174,7 @@ namespace terrazzo {
 
 NodeType detail_solid_node() {
   using namespace detail_solid;
-  return NodeType("DetailSolid", 21)
+  return NodeType("DetailSolid", 22)
       .doc_(
           "Synthesizes the fine detail of a photograph's binder and particles separately, each from its own "
           "pixels, and adds it to a solid")

@@ -87,6 +87,13 @@ Lags covariance_of(const Phases& p, int phase, const Eigen::Matrix3f& axes) {
 // size/2 there are only frequencies near the diagonals.
 std::vector<double> wanted_power(const std::vector<double>& covariance, int size, std::size_t bins) {
   constexpr int kDirections = 32;
+  std::array<double, kSide> hann;
+  for (int d = 0; d < kSide; ++d) hann[d] = 0.5 * (1 + std::cos(kPi * (d - kLags) / (kLags + 1)));
+  std::vector<double> windowed = covariance;
+  for (int y = 0; y < kSide; ++y)
+    for (int x = 0; x < kSide; ++x) windowed[y * kSide + x] *= hann[x] * hann[y];
+  // cos(kx·x + ky·y) = cos(kx·x) cos(ky·y) − sin(kx·x) sin(ky·y)
+  std::array<double, kSide> cosine, sine;
   std::vector<double> out;
   for (std::size_t q = 0; q < bins; ++q) {
     const double k = 2 * kPi * q / size;
@@ -95,12 +102,18 @@ std::vector<double> wanted_power(const std::vector<double>& covariance, int size
       const double angle = kPi * (a + 0.5) / kDirections, kx = k * std::cos(angle), ky = k * std::sin(angle);
       if (std::max(std::abs(kx), std::abs(ky)) > kPi) continue;
       ++directions;
-      for (int dy = -kLags; dy <= kLags; ++dy)
-        for (int dx = -kLags; dx <= kLags; ++dx) {
-          const double window =
-              0.25 * (1 + std::cos(kPi * dx / (kLags + 1))) * (1 + std::cos(kPi * dy / (kLags + 1)));
-          power += window * covariance[(dy + kLags) * kSide + dx + kLags] * std::cos(kx * dx + ky * dy);
+      for (int d = 0; d < kSide; ++d) {
+        cosine[d] = std::cos(kx * (d - kLags));
+        sine[d] = std::sin(kx * (d - kLags));
+      }
+      for (int y = 0; y < kSide; ++y) {
+        double even = 0, odd = 0;
+        for (int x = 0; x < kSide; ++x) {
+          even += windowed[y * kSide + x] * cosine[x];
+          odd += windowed[y * kSide + x] * sine[x];
         }
+        power += std::cos(ky * (y - kLags)) * even - std::sin(ky * (y - kLags)) * odd;
+      }
     }
     out.push_back(directions > 0 ? std::max(power / directions, 0.0) : out.back());
   }
