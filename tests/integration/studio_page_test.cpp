@@ -272,7 +272,8 @@ TEST_F(StudioPage, ShowsTheMaterialItsPaletteAndItsFiles) {
   EXPECT_EQ(r["same"], true);
   EXPECT_EQ(r["name"], "stone.json");
   EXPECT_EQ(r["notice"], r["expected_notice"]);
-  EXPECT_EQ(r["canceled"], "canceled, 0 of 2 done");
+  EXPECT_EQ(r["again"], false);
+  EXPECT_EQ(r["canceled"], "canceled, 0 of 3 done");
 }
 
 // A result for several values, side by side.

@@ -107,6 +107,12 @@ await report(server, async () => {
   await page.waitForFunction(() => /^Rendering, 0 of 2 nodes, about \d/.test(document.querySelector('.waiting p')?.textContent ?? ''));
   result.waiting = await page.textContent('.waiting p');
   await shot('waiting');
+  // What is asked for meanwhile waits, and says so.
+  await panel('Files');
+  await row('preview.png').locator('button:text-is("Write")').click();
+  await row('preview.png').locator('td', { hasText: 'queued' }).waitFor();
+  result.again = await row('preview.png').locator('button:text-is("Write")').isEnabled();
+  await panel('Files');
   await page.click('.top button:text-is("Cancel")');
   await page.waitForFunction(() => /canceled/.test(document.querySelector('.status').textContent));
   result.canceled = await page.textContent('.status');

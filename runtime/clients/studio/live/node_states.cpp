@@ -29,8 +29,7 @@ json json_of(const NodeState& s) {
   json outputs = json::object();
   json files = json::array();
   json previews = json::object();
-  for (const auto& [port, o] : s.result.outputs)
-    outputs[port] = json_of(o);
+  for (const auto& [port, o] : s.result.outputs) outputs[port] = json_of(o);
   for (const auto& f : s.result.files) files.push_back(f.path);
   for (const auto& [port, p] : s.previews)
     previews[port] = {{"type", p.value.type().name}, {"number", p.number}};

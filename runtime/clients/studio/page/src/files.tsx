@@ -63,7 +63,8 @@ function Row({ file, folder }: { file: Written; folder: string }) {
   const name = file.node.split(/[/[]/)[0], node = useStore(s => s.doc?.nodes.find(n => n.name === name));
   const state = useStore(s => (node ? stateOf(node, s.nodes) : undefined), (a, b) => a?.state === b?.state && a?.error === b?.error);
   const exists = file.bytes !== undefined;
-  const said = state?.state === 'running' ? 'writing…' : state?.state === 'failed' ? state.error?.message ?? 'failed' : !exists ? 'not written yet' : upToDate(state) ? '' : 'may be older than the graph';
+  const busy = state?.state === 'running' || state?.state === 'waiting';
+  const said = state?.state === 'running' ? 'writing…' : state?.state === 'waiting' ? 'queued' : state?.state === 'failed' ? state.error?.message ?? 'failed' : !exists ? 'not written yet' : upToDate(state) ? '' : 'may be older than the graph';
   return (
     <tr>
       <td><button className="link" title={`Select ${name}`} onClick={() => select(name)}>{file.path}</button></td>
@@ -73,7 +74,7 @@ function Row({ file, folder }: { file: Written; folder: string }) {
       <td className="acts">
         {exists ? <a className="button" href={`/api/output?path=${encodeURIComponent(file.path)}`} download={file.path.split('/').pop()}>Download</a> : <span />}
         <button className="path" onClick={() => void copy(`${folder}/${file.path}`)} title={`Copy ${folder}/${file.path}`}>Copy path</button>
-        <button disabled={state?.state === 'running'} onClick={() => void post('/api/run', { targets: [file.node] })} title={`Compute what ${file.path} needs, and write it`}>Write</button>
+        <button disabled={busy} onClick={() => void post('/api/run', { targets: [file.node] })} title={`Compute what ${file.path} needs, and write it`}>Write</button>
       </td>
     </tr>
   );

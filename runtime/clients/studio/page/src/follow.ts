@@ -15,7 +15,7 @@ function written(doc: Doc, types: Map<string, NodeType>): Target | undefined {
   return file && splitWire(file.inputs.image[0], doc, types);
 }
 
-// All outputs that show the material, the best first: its main picture, other pictures of the solid, the solid, labels, the photograph.
+// All outputs that show the material, the best first: its main picture, other pictures of the solid, the solid, its shapes, labels, the photograph.
 export function pictures(doc: Doc, types: Map<string, NodeType>): Target[] {
   const all = doc.nodes.flatMap(node => (declarationOf(node, types)?.outputs ?? []).map(p => ({ node, port: p.name, type: p.types[0] })));
   const images = all.filter(o => o.type === 'Image'), sees = (node: DocNode) => solidsOf(node, doc, types).length > 0;
@@ -23,6 +23,7 @@ export function pictures(doc: Doc, types: Map<string, NodeType>): Target[] {
     ...images.filter(o => o.port === 'preview'),
     ...images.filter(o => sees(o.node)).reverse(),
     ...images.flatMap(o => solidsOf(o.node, doc, types)).reverse(),
+    ...all.filter(o => o.type === 'Shapes').reverse(),
     ...all.filter(o => o.type === 'Labels' && o.port === 'labels' && !sees(o.node)).reverse(),
     ...images.filter(o => !sees(o.node)),
   ].map(o => ({ node: typeof o.node === 'string' ? o.node : o.node.name, port: o.port }));
