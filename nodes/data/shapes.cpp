@@ -45,7 +45,7 @@ void encode(const Shapes& v, Writer& w) {
   }
   if (!is_traced(v) && !trends) return;
   for (const Shape& s : v.shapes) {
-    w.pod(s.traced.profile), w.pod(s.traced.turn);
+    w.pod(s.traced.profile), w.pod(s.traced.turn), w.pod(s.traced.faceted);
     w.bytes(s.traced.origin.data(), sizeof(double) * 2);
   }
   if (trends) encode_trends(v.shapes, w);
@@ -83,6 +83,7 @@ Shapes decode_shapes(Reader& r) {
   for (auto& s : v.shapes) {
     s.traced.profile = r.pod<std::int32_t>();
     s.traced.turn = r.pod<double>();
+    s.traced.faceted = r.pod<bool>();
     r.bytes(s.traced.origin.data(), sizeof(double) * 2);
   }
   if (r.left() > 0) decode_trends(v.shapes, r);

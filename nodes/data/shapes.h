@@ -25,6 +25,7 @@ struct TracedStone {
   std::int32_t profile = 0;    // its number in Labels, from 1; 0: the shape was not traced
   Vec2 origin = Vec2::Zero();  // of the mesh in the photograph, mm from the section's lower left corner
   double turn = 0;             // radians, counterclockwise, of the photograph's stone relative to the mesh
+  bool faceted = false;        // the mesh has flat faces, but not those of the photographed stone
 };
 
 // A mesh with its measures at scale 1, computed by `measure_shape`

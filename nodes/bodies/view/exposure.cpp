@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "nodes/common/geometry/rank.h"
 #include "nodes/data/indices.h"
@@ -118,29 +119,32 @@ float sun_share(const SlopesOfStones& slopes, double wanted, float power, const 
   return (low + high) / 2;
 }
 
-// The power of the light in shadows at which the places between loose stones are as dark, on average, as in
-// the photograph, whose binder they are. Light that is reflected often has a color and a strength that
-// sixteen rays don't know.
-float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light, const Work& work) {
-  constexpr int kHalvings = 12;
-  const float wanted = p.between.mean();
-  std::vector<std::size_t> shadows;
-  for (std::size_t i = 0; i < light.size(); ++i)
-    if (p.height[i] <= p.ground) shadows.push_back(i);
-  if (shadows.empty()) return 1;
-  const auto darkness = [&](float power) {
-    work.check();
-    double sum = 0;
-    for (const std::size_t i : shadows) sum += p.color[i].mean() * shadowed(light[i], power);
-    return sum / shadows.size();
+// The power of the light in shadows at which the darkest pixels are as much darker than the middle ones as in
+// the photograph, whose sky and reflected light sixteen rays don't know. `own`: a factor of each color.
+float depth_of_shadows(const UnlitPixels& p, const std::vector<float>& light, const std::vector<float>& own,
+                       const std::vector<float>& tones, const Work& work) {
+  constexpr std::size_t kSamples = 200'000;
+  constexpr int kHalvings = 10;
+  constexpr double kDark = 0.05;  // share of pixels
+  const auto contrast_of = [&](std::vector<float> luminances) {
+    const float dark = at_rank(luminances, luminances.size() * kDark);
+    return std::log((kDarkest + median(std::move(luminances))) / (kDarkest + dark));
   };
-  float low = 0.6F;
+  const float wanted = contrast_of(tones);
+  const auto contrast = [&](float power) {
+    work.check();
+    std::vector<float> luminances;
+    for (std::size_t i = 0; i < light.size(); i += 1 + light.size() / kSamples)
+      luminances.push_back(own[i] * luminance_of(p.color[i]) * shadowed(light[i], power));
+    return contrast_of(std::move(luminances));
+  };
+  float low = 0.4F;
   float high = 2;
   for (int k = 0; k < kHalvings; ++k) {
     const float middle = (low + high) / 2;
-    (darkness(middle) > wanted ? low : high) = middle;
+    (contrast(middle) < wanted ? low : high) = middle;
   }
-  return high;
+  return (low + high) / 2;
 }
 
 // Divides light by the usual one, on stones and on soil.
@@ -224,13 +228,16 @@ double share_of_colors(const std::vector<StoneSums>& stones, const Work& work) {
 }
 
 // The light that a photograph shows on its stones is part of the colors that were measured there, and falls
-// on them again in the bed. So colors keep only the part with which stones differ as in the photograph.
-void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light, const Work& work) {
+// on them again in the bed. So colors keep only the part with which stones differ as in the photograph: the
+// factor of each pixel's color.
+std::vector<float> without_photographed_light(const UnlitPixels& p, const std::vector<float>& light,
+                                              float power, const Work& work) {
   std::vector<StoneSums> stones;
   for (std::size_t i = 0; i < light.size(); ++i) {
     if (!p.lit_stone(i)) continue;
     if (stones.size() <= static_cast<std::size_t>(p.stone[i])) stones.resize(p.stone[i] + 1);
-    stones[p.stone[i]].add({1, std::log(kDarkest + luminance_of(p.color[i])), std::log(kDarkest + light[i])});
+    stones[p.stone[i]].add(
+        {1, std::log(kDarkest + luminance_of(p.color[i])), std::log(kDarkest + shadowed(light[i], power))});
   }
   std::vector<StoneSums> shown;
   double mean = 0, pixels = 0;  // of colors
@@ -242,41 +249,38 @@ void take_out_photographed_light(const UnlitPixels& p, std::vector<float>& light
     mean += color;
     pixels += s.pixels;
   }
-  if (shown.empty()) return;
+  std::vector<float> own(light.size(), 1);
+  if (shown.empty()) return own;
   mean /= pixels;
   const double less = share_of_colors(shown, work) - 1;
   for (std::size_t i = 0; i < light.size(); ++i)
-    if (p.lit_stone(i)) light[i] *= static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean)));
+    if (p.lit_stone(i)) own[i] = static_cast<float>(std::exp(less * (stones[p.stone[i]].color - mean)));
+  return own;
 }
 
 }  // namespace
 
 std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
+  constexpr int kRounds = 3;  // slopes, shadows and colors depend on each other
   const StoneSamples samples(p);
+  std::optional<SlopesOfStones> slopes;
+  if (options.slope && !samples.pixels.empty()) slopes.emplace(p, samples, options.slope->normalized());
   float share = static_cast<float>(options.light.share);
   float power = 1;
   std::vector<float> light(p.stone.size());
-  const auto light_up = [&] {
+  std::vector<float> own(p.stone.size(), 1);
+  for (int round = 0; round < kRounds; ++round) {
     work.check();
+    if (slopes) share = sun_share(*slopes, options.slope->norm(), power, work);
     for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);
     use_usual_light(p, light);
-    if (options.loose) power = depth_of_shadows(p, light, work);
-  };
-  if (options.slope && !samples.pixels.empty()) {
-    constexpr int kRounds = 3;  // shadows depend on the sun, and slopes on how deep shadows are
-    const SlopesOfStones slopes(p, samples, options.slope->normalized());
-    for (int k = 0; k < kRounds; ++k) {
-      share = sun_share(slopes, options.slope->norm(), power, work);
-      light_up();
-    }
-  } else {
-    light_up();
+    if (options.brightness) own = without_photographed_light(p, light, power, work);
+    if (options.loose && !options.tones.empty()) power = depth_of_shadows(p, light, own, options.tones, work);
   }
-  for (float& v : light) v = shadowed(v, power);
-  if (options.brightness) take_out_photographed_light(p, light, work);
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] = own[i] * shadowed(light[i], power);
   const float brightness = options.brightness ? brightness_for(p, light, samples, *options.brightness) : 1;
-  for (std::size_t i = 0; i < light.size(); ++i)  // soil and shadows are as measured
-    if (p.lit_stone(i)) light[i] *= brightness;
+  for (std::size_t i = 0; i < light.size(); ++i)  // soil is as measured
+    if (options.loose || p.lit_stone(i)) light[i] *= brightness;
   return light;
 }
 

@@ -18,8 +18,7 @@ struct UnlitPixels {
   const std::vector<float>& sky;  // level ground in the open
   float ground = 0;               // mm
   int width = 1;                  // pixels
-  float albedo = 0;               // mean reflectance of the stones, below 1
-  Vec3f between = Vec3f::Zero();  // color of the places between loose stones
+  float albedo = 0;  // mean reflectance of the stones, below 1
 
   // Whether a pixel shows a stone, not in the shadow between loose ones.
   bool lit_stone(std::size_t pixel) const { return stone[pixel] >= 0 && height[pixel] > ground; }
@@ -27,8 +26,8 @@ struct UnlitPixels {
 
 // What each pixel's color is multiplied with. The sun gets the share of the light with which lightness grows
 // across stones as in the photograph (SurfaceOptions::slope), or that of options.light without it. Stones are
-// as bright on average as in the photograph, and differ as much, soil has its color, and shadows between
-// loose stones are deepened or lightened until they are as dark.
+// as bright on average as in the photograph, and differ as much, and soil has its color. Shadows of loose
+// stones are deepened or lightened until the darkest pixels are as dark as the photograph's tones.
 std::vector<float> exposure(const UnlitPixels&, const SurfaceOptions&, const Work&);
 
 }  // namespace terrazzo::view

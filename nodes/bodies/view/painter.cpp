@@ -89,9 +89,8 @@ void Painter::paint_lit(Vec3f* pixels, const Work& work) {
   });
   const std::vector<float> sun = smooth(sun_, work.part(0.8, 0.82));
   const std::vector<float> sky = smooth(sky_, work.part(0.82, 0.85));
-  const std::vector<float> light = exposure({stone_, height_, color_, sun, sky, ground_, options_.pixels_x,
-                                             albedo_, colors_.at(Vec3f::Zero(), -1, false)},
-                                            options_, work);
+  const std::vector<float> light =
+      exposure({stone_, height_, color_, sun, sky, ground_, options_.pixels_x, albedo_}, options_, work);
   for (std::size_t i = 0; i < color_.size(); ++i) color_[i] *= light[i];
   each_row(work.part(0.85, 1), [&](int row) {
     for (int x = 0; x < options_.pixels_x; ++x) pixels[at(x, row)] = antialiased(x, row);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "nodes/common/geometry/periodic.h"
+#include "nodes/common/geometry/rank.h"
 #include "nodes/common/texture/color.h"
 #include "nodes/data/indices.h"
 #include "nodes/data/luminance.h"
@@ -153,6 +154,8 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   if (has_ground()) smooth(ground_, footprint / detail.pixel_size);
   worn_.resize(particles.count());
   if (skins_.empty()) return;
+  faceted_ = std::all_of(shapes.shapes.begin(), shapes.shapes.end(),
+                         [](const Shape& s) { return s.traced.faceted; });
   take_pictures(detail.relief, footprint > 0, work);
   covers_.assign(skins_.size(), 0);
   for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
@@ -183,6 +186,7 @@ void Skins::take_pictures(const Detail::Relief& relief, bool reduced, const Work
   work.parallel(skins_.size(), 4, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       std::vector<Picture>& levels = pictures_[k];
+      if (faceted_) remove_faces(skins_[k]);
       levels.push_back(with_relief(skins_[k], relief));
       while (reduced && std::min(levels.back().width, levels.back().height) >= 2 * kFewest)
         levels.push_back(halved(levels.back()));
@@ -229,6 +233,30 @@ Skins::Picture Skins::with_relief(const Detail::Skin& skin, const Detail::Relief
         out.texels[pixel_at(x, y, skin.width)][channel] = shade.at<float>(y, x);
   }
   return out;
+}
+
+// What is left of a skin without the faces of its stone, which are evenly light or dark, and without the
+// edges between them, which stand out (weighted as by Beaton and Tukey 1974): its texture.
+void Skins::remove_faces(Detail::Skin& skin) {
+  constexpr double kReach = 0.075;                  // of the median, in the stone's diameter
+  constexpr float kStandsOut = 4.685F * 1.4826F;    // in the median deviation
+  constexpr float kLowest = -2, kStep = 1.0F / 64;  // of shades
+  cv::Mat shade(skin.height, skin.width, CV_8U), faces;
+  for (std::size_t i = 0; i < skin.shade.size(); ++i)
+    shade.data[i] = cv::saturate_cast<std::uint8_t>((luminance_of(skin.shade[i]) - kLowest) / kStep);
+  const double diameter = 4 * std::sqrt(std::sqrt(skin.spread.determinant()));
+  cv::medianBlur(shade, faces, 2 * std::max(1, round_nearest(kReach * diameter)) + 1);
+  std::vector<float> texture, deviations;
+  for (std::size_t i = 0; i < skin.shade.size(); ++i) {
+    texture.push_back(luminance_of(skin.shade[i]) - kLowest - kStep * static_cast<float>(faces.data[i]));
+    deviations.push_back(std::abs(texture.back()));
+  }
+  const float most = kStandsOut * median(std::move(deviations));
+  for (std::size_t i = 0; i < skin.shade.size(); ++i) {
+    const float part = most > 0 ? std::min(1.0F, std::abs(texture[i]) / most) : 1;
+    const float kept = texture[i] * (1 - part * part) * (1 - part * part);
+    skin.shade[i] += Vec3f::Constant(kept - luminance_of(skin.shade[i]));
+  }
 }
 
 // Means of four pixels.
@@ -311,7 +339,7 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
     if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
     best.skin = k;
-    best.lost_grain = static_cast<float>(std::clamp(std::log2(size / skin.size), 0.0, 1.0));
+    if (!faceted_) best.lost_grain = static_cast<float>(std::clamp(std::log2(size / skin.size), 0.0, 1.0));
     best.start = is_own ? own->start : skin.center;
     if (is_own)
       best.to_skin = own->to_skin;

@@ -63,6 +63,7 @@ class Skins {
   };
   static Picture with_relief(const Detail::Skin&, const Detail::Relief&);
   static Picture halved(const Picture&);
+  static void remove_faces(Detail::Skin&);
   void take_pictures(const Detail::Relief&, bool reduced, const Work&);
   void fit_level(Worn&, double footprint) const;
   void light_up(Worn&, const Eigen::Vector2f& photographed, const std::optional<Vec2>& light) const;
@@ -79,6 +80,7 @@ class Skins {
   std::vector<double> hidden_;                  // what it costs to wear each, because others hide a part
   std::map<std::int32_t, int> of_profile_;      // number of the skin
   std::vector<double> covers_;                  // squares of the sizes of the particles that wear each skin
+  bool faceted_ = false;                        // whether all bodies have flat faces of their own
   double usual_cover_ = 0;                      // on average
   std::vector<Worn> worn_;                      // by each particle
 };

@@ -55,10 +55,15 @@ std::size_t count_of_shapes(const Context& c, const Profiles& profiles, std::siz
 const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
   const std::string name = c.text("method");
   if (name != "auto") return method_of(name);
-  if (profiles.view == View::Surface) return method_of("inflation");
-  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
-  const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
-  return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
+  if (profiles.view != View::Surface && c.keyword("profiles").empty())
+    return method_of("morphed_generalized_cylinder");
+  const std::vector<Outline> usable = candidates_of(profiles, options, c.work()).outlines;
+  if (profiles.view == View::Surface) {
+    const double corners = usual_corners(usable);
+    c.metric("corners", corners);
+    return method_of(corners > kCrushed ? "faceted" : "inflation");
+  }
+  return method_of(usable.size() >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
 }
 
 [[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {
@@ -259,6 +264,7 @@ ClassEstimate estimate_each(Context& c, const EstimateMethod& method, const Chos
       shape.traced.profile = o.id;
       shape.trend = {0, shape.size(), kLikeSizes};
       shape.traced.turn = o.turn;
+      shape.traced.faceted = method.name == "faceted";
       shape.traced.origin =
           o.center + Eigen::Rotation2Dd(o.turn) * Vec2(before - shape.mesh.vertices[0].head<2>());
     }

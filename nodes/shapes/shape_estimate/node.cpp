@@ -128,7 +128,8 @@ Parameter method_parameter() {
   }
   names.push_back("auto");
   doc += fmt::format(
-      " auto: inflation for a surface; fit with at least {} usable profiles of sections, otherwise "
+      " auto: for a surface faceted if outlines turn at corners, otherwise inflation; fit with at least {} "
+      "usable profiles of sections, otherwise "
       "morphed_generalized_cylinder. If large particles are lobed and small ones are not, these are the "
       "methods for the small ones, and the large ones get `count` bodies of lobes; shares depend on the "
       "size.",
@@ -143,7 +144,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 16)
+  return NodeType("ShapeEstimate", 17)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
           "silhouettes that a surface shows. How the sections of different particles are arranged in space "
@@ -173,7 +174,8 @@ NodeType shape_estimate_node() {
       .parameter(Parameter::integer("subdivision", 1)
                      .range(0, 4)
                      .doc_("Number of Catmull–Clark subdivision levels. Each level quadruples the number of "
-                           "triangles (about 500 to 2000 at 1, and 2,900 of an inflation, which is not "
+                           "triangles (about 500 to 2000 at 1, and 2,900 of an inflation and 5,000 of a "
+                           "faceted body, which are not "
                            "Catmull–Clark; with tessellation: direct, 4,000 at 1 and 260,000 at 4). With "
                            "control: auto, each level also allows more "
                            "control points; grids with more than ten per quarter are subdivided only once."))

@@ -37,4 +37,15 @@ double usual_relief(const std::vector<Outline>& outlines) {
   return at_rank(all, all.size() * kQuartile);
 }
 
+double usual_corners(const std::vector<Outline>& outlines) {
+  constexpr double kFullTurn = 360;  // degrees
+  std::vector<double> shares;
+  for (const Outline& o : outlines) {
+    double turn = 0;
+    for (const double corner : o.corner) turn += std::max(0.0, corner);
+    shares.push_back(turn / kFullTurn);
+  }
+  return shares.empty() ? 0 : median(std::move(shares));
+}
+
 }  // namespace terrazzo::shape_estimate

@@ -16,6 +16,10 @@ const std::vector<EstimateMethod>& estimate_methods() {
        "a body with one profile as its silhouette and faces as uneven as the profiles, for stones of a "
        "surface",
        inflation, 0, false, true},
+      {"faceted", 1, 1,
+       "a convex body with flat faces whose silhouette has the sides of one profile, for crushed stones of a "
+       "surface",
+       faceted, 0, false, true},
       {"fit", 3, 0,
        "bodies from the other methods, deformed until their random sections have the joint distribution of "
        "circularity, total curvature, aspect ratio, convexity, corners, symmetry and curvature of all "

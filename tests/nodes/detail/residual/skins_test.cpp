@@ -7,6 +7,7 @@
 
 #include "nodes/bodies/carving/solid.h"
 #include "nodes/common/stereology/shape_measures.h"
+#include "nodes/data/indices.h"
 #include "runtime/random.h"
 #include "tests/nodes/volumes/voxelize/bodies.h"
 #include "tests/support/run_node.h"
@@ -131,6 +132,45 @@ TEST(SkinsOfParticles, ReliefIsLitFromWhereTheLightStands) {
           EXPECT_NEAR(shade, 0.2 * light.dot(turned * slope), 0.015) << from << " " << to << " " << turn;
         }
       }
+  }
+}
+
+// A stone with a light and a dark face, whose edge is bright, and with grain.
+Detail two_faces(float grain) {
+  Detail detail = shades(1);
+  Detail::Skin& skin = detail.skins[0];
+  Random random(5);
+  for (int y = 0; y < skin.height; ++y)
+    for (int x = 0; x < skin.width; ++x)
+      skin.shade[pixel_at(x, y, skin.width)] = Vec3f::Constant((x == 40  ? 0.9F
+                                                                : x < 40 ? 0.3F
+                                                                         : -0.3F) +
+                                                               grain * static_cast<float>(random.normal()));
+  return detail;
+}
+
+TEST(SkinsOfParticles, BodiesWithFacesGetTheTextureAlone) {
+  constexpr float kGrain = 0.05F;
+  const Vec3 at(50, 50, 50);
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  for (const bool faceted : {false, true}) {
+    Shapes shapes = ball_of_3mm();
+    shapes.shapes[0].traced = {1, Vec2(10 + 4, 20 - 5), 0, faceted};
+    const Skins skins(two_faces(kGrain), one_particle(at, Quat::Identity(), 1), shapes, 0, {});
+    double left = 0, right = 0, squares = 0;
+    constexpr int kPoints = 30;
+    for (int k = 0; k < kPoints; ++k) {
+      const auto shade = [&](double pixels) {
+        const Vec3 mm = at + Vec3(0.1 * (pixels + 0.5), 0.1 * (k - 14.5), 0);
+        return Detail::skin_shade(skins.at(mm.cast<float>(), 0, usual), usual).x();
+      };
+      left += shade(-12) / kPoints;
+      right += shade(12) / kPoints;
+      squares += shade(12) * shade(12) / kPoints;
+      if (faceted) EXPECT_LT(std::abs(shade(0)), 0.2) << k;
+    }
+    EXPECT_NEAR(left - right, faceted ? 0 : 0.6, 0.05);
+    EXPECT_NEAR(std::sqrt(squares - right * right), kGrain, 0.02);
   }
 }
 
