@@ -18,7 +18,7 @@ struct UnlitPixels {
   const std::vector<float>& sky;  // level ground in the open
   float ground = 0;               // mm
   int width = 1;                  // pixels
-  float albedo = 0;  // mean reflectance of the stones, below 1
+  float albedo = 0;               // mean reflectance of the stones, below 1
 
   // Whether a pixel shows a stone, not in the shadow between loose ones.
   bool lit_stone(std::size_t pixel) const { return stone[pixel] >= 0 && height[pixel] > ground; }

@@ -1,4 +1,4 @@
-// The light on a bed of stones: a sun of finite size and an even sky.
+// The light on a bed of stones: a sun of finite size and an overcast sky.
 #pragma once
 
 #include <optional>

@@ -34,6 +34,10 @@ float reversed_bits(int i) {
   return static_cast<float>(bits) / kSkyRays;
 }
 
+// Of an overcast sky, which is three times as bright above as at the horizon (Moon and Spencer 1942, the
+// CIE's standard), relative to what a level place in the open gets on average, weighted by the cosine.
+float brightness_of_sky(float height) { return (1 + 2 * height) * 3 / 7; }
+
 float fraction(float v) { return v - std::floor(v); }
 
 // The upper and the lower half of a random number, from 0 to 1.
@@ -80,18 +84,18 @@ float Shader::sky(const BedPoint& point, std::uint64_t random) const {
   constexpr float kUnseen = 0.5F;  // rays: none of so many does not mean that nothing is open
   const float shift = upper_half(random);
   const float turn = lower_half(random);
-  int open = open_rays(point, shift, turn);
+  float open = open_rays(point, shift, turn);
   int sets = 1;
-  for (; open <= kFew * sets && sets < kSets; ++sets) {
+  for (; open <= static_cast<float>(kFew * sets) && sets < kSets; ++sets) {
     const float between = static_cast<float>(sets) / (kSets * kSkyRays);
     open += open_rays(point, shift + between, turn + between);
   }
-  return std::max(kUnseen, static_cast<float>(open)) / static_cast<float>(sets * kSkyRays);
+  return std::max(kUnseen, open) / static_cast<float>(sets * kSkyRays);
 }
 
-int Shader::open_rays(const BedPoint& point, float shift, float turn) const {
+float Shader::open_rays(const BedPoint& point, float shift, float turn) const {
   const Across across(point.normal);
-  int open = 0;
+  float open = 0;
   for (int k = 0; k < kSkyRays; ++k) {
     const float u = fraction((k + 0.5f) / kSkyRays + shift);
     const float phi = 2 * std::numbers::pi_v<float> * fraction(reversed_bits(k) + turn);
@@ -100,7 +104,7 @@ int Shader::open_rays(const BedPoint& point, float shift, float turn) const {
                             std::sqrt(1 - u) * point.normal;
     if (direction.z() <= 0) continue;  // the ground
     if (point.face.dot(direction) > 0 && bed_.hides(start(point), direction, reach_)) continue;
-    ++open;
+    open += brightness_of_sky(direction.z());
   }
   return open;
 }

@@ -18,13 +18,13 @@ class Shader {
   // Of the sun: Lambert's law and the shadows of stones, soft because the sun is eight places on a disc,
   // turned by the random number.
   float sun(const BedPoint&, std::uint64_t random) const;
-  // Of the sky, the share that stones and the ground leave open, weighted by the cosine to the normal: 16
+  // Of an overcast sky, what stones and the ground leave open, weighted by the cosine to the normal: 16
   // stratified directions, shifted by the random number, or up to 192 where few are open. Never 0.
   float sky(const BedPoint&, std::uint64_t random) const;
 
  private:
   Vec3f toward_sun(int place, float shift) const;
-  int open_rays(const BedPoint&, float shift, float turn) const;  // of 16
+  float open_rays(const BedPoint&, float shift, float turn) const;  // of 16
   Vec3f start(const BedPoint& point) const { return point.at + lift_ * point.face; }
 
   const Bed& bed_;

@@ -16,6 +16,12 @@ inline int wrap_index(int i, int n) {
   return i < 0 ? i + n : i;
 }
 
+// The same where every second period is a mirror image: 0 … n − 1, n − 1 … 0, and so on.
+inline int mirror_index(int i, int n) {
+  i = wrap_index(i, 2 * n);
+  return i < n ? i : 2 * n - 1 - i;
+}
+
 // p, moved by whole edges of the box into [0, box).
 inline Vec3 wrap_point(Vec3 p, const Vec3& box) {
   for (int a = 0; a < 3; ++a) {

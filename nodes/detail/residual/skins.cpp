@@ -293,6 +293,7 @@ void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed,
 
 std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& particles,
                                            std::size_t particle) const {
+  if (faceted_) return {};
   const auto found = of_profile_.find(shape.traced.profile);
   const double scale = particles.scale[particle];
   const Mat3 turned = particles.orientation[particle].normalized().toRotationMatrix();
@@ -328,13 +329,15 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
     const bool is_own = own && own->skin == k;
-    double larger = std::log(size / skin.size);
+    double larger = faceted_ ? 0 : std::log(size / skin.size);
     if (larger > 0) larger *= kEnlarged;
     double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
                   larger * larger / (kSizeSpread * kSizeSpread) + hidden_[k] + (is_own ? 0 : kStrange) +
                   kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
     if (!(cost < least)) continue;
-    const Laying laying = is_own ? Laying{} : lay(transport, mirror, skin.spread.cast<double>());
+    const Laying laying = is_own     ? Laying{}
+                          : faceted_ ? Laying{mirror / pixel_size_}
+                                     : lay(transport, mirror, skin.spread.cast<double>());
     cost += laying.cost;
     if (!(cost < least)) continue;  // neither is what is not a number
     least = cost;
@@ -356,7 +359,7 @@ Vec3f Skins::at(const Vec3f& mm, int particle, const Vec3f& color) const {
   const Picture& picture = pictures_[worn.skin][worn.level];
   const Eigen::Vector2f at = std::ldexp(1.0F, -worn.level) * (worn.to_skin * offset + worn.start);
   const Texel texel = sample(picture.texels, at.x(), at.y(), [&](int x, int y) {
-    return pixel_at(std::clamp(x, 0, picture.width - 1), std::clamp(y, 0, picture.height - 1), picture.width);
+    return pixel_at(mirror_index(x, picture.width), mirror_index(y, picture.height), picture.width);
   });
   return Detail::with_shade(color, texel.head<3>() + Vec3f::Constant(worn.relit.dot(texel.tail<2>())));
 }

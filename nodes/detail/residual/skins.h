@@ -18,7 +18,8 @@ namespace terrazzo::residual {
 // ellipse of the stone's silhouette falls on that of the particle's, with as little stretching as possible
 // (the optimal transport between two ellipses), mirrored or not, and turned if it would be stretched far.
 // Skins that need little stretching, and above all no enlarging, are preferred, those of stones that nothing
-// hides, and those that few others wear.
+// hides, and those that few others wear. On bodies with flat faces of their own, only the texture of a skin
+// is laid, as large as it was.
 //
 // Where a skin shows relief rather than stains (Detail::Relief), it is lit from where the light stands, not
 // from where it stood when the stone was photographed. A slope's light is linear in it (Pentland 1990): the
