@@ -45,8 +45,9 @@ void encode(const Shapes& v, Writer& w) {
   }
   if (!is_traced(v) && !trends) return;
   for (const Shape& s : v.shapes) {
-    w.pod(s.traced.profile), w.pod(s.traced.turn), w.pod(s.traced.faceted);
+    w.pod(s.traced.profile), w.pod(s.traced.turn);
     w.bytes(s.traced.origin.data(), sizeof(double) * 2);
+    w.pod(static_cast<std::uint8_t>(s.traced.faceted));
   }
   if (trends) encode_trends(v.shapes, w);
 }
@@ -83,8 +84,8 @@ Shapes decode_shapes(Reader& r) {
   for (auto& s : v.shapes) {
     s.traced.profile = r.pod<std::int32_t>();
     s.traced.turn = r.pod<double>();
-    s.traced.faceted = r.pod<bool>();
     r.bytes(s.traced.origin.data(), sizeof(double) * 2);
+    s.traced.faceted = r.pod<std::uint8_t>() != 0;
   }
   if (r.left() > 0) decode_trends(v.shapes, r);
   return v;

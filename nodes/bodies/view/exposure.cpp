@@ -261,7 +261,8 @@ std::vector<float> without_photographed_light(const UnlitPixels& p, const std::v
 }  // namespace
 
 std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options, const Work& work) {
-  constexpr int kRounds = 3;  // slopes, shadows and colors depend on each other
+  const bool matched = options.loose && !options.tones.empty();
+  const int rounds = matched ? 3 : 1;  // slopes, shadows and colors depend on each other
   const StoneSamples samples(p);
   std::optional<SlopesOfStones> slopes;
   if (options.slope && !samples.pixels.empty()) slopes.emplace(p, samples, options.slope->normalized());
@@ -269,13 +270,13 @@ std::vector<float> exposure(const UnlitPixels& p, const SurfaceOptions& options,
   float power = 1;
   std::vector<float> light(p.stone.size());
   std::vector<float> own(p.stone.size(), 1);
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < rounds; ++round) {
     work.check();
     if (slopes) share = sun_share(*slopes, options.slope->norm(), power, work);
     for (std::size_t i = 0; i < light.size(); ++i) light[i] = light_of_pixel(p, i, share);
     use_usual_light(p, light);
     if (options.brightness) own = without_photographed_light(p, light, power, work);
-    if (options.loose && !options.tones.empty()) power = depth_of_shadows(p, light, own, options.tones, work);
+    if (matched) power = depth_of_shadows(p, light, own, options.tones, work);
   }
   for (std::size_t i = 0; i < light.size(); ++i) light[i] = own[i] * shadowed(light[i], power);
   const float brightness = options.brightness ? brightness_for(p, light, samples, *options.brightness) : 1;

@@ -14,8 +14,8 @@ struct UnlitPixels {
   const std::vector<std::int32_t>& stone;  // −1: soil
   const std::vector<float>& height;        // mm
   const std::vector<Vec3f>& color;         // without light
-  const std::vector<float>& sun;  // light of the sun, and the open share of the sky, each relative to
-  const std::vector<float>& sky;  // level ground in the open
+  const std::vector<float>& sun;  // light of the sun, and of the open sky, each relative to level ground
+  const std::vector<float>& sky;  // in the open
   float ground = 0;               // mm
   int width = 1;                  // pixels
   float albedo = 0;               // mean reflectance of the stones, below 1

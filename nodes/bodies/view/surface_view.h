@@ -50,7 +50,8 @@ struct SurfaceView {
 
 // Light is scaled so that the median stone pixel and the mean soil pixel of each picture have the colors that
 // the particles and the binder give them, which a photograph's light has already changed; then that on
-// stones so that they have the given brightness; last, all tones become the photograph's, if they are known.
+// stones so that they have the given brightness, and shadows of loose ones so that they are as dark as the
+// photograph's tones; last, all tones become these, if they are known.
 // `detail` and `skins` may be null. Throws Error "too-many-pixels" beyond 64 megapixels in all,
 // "no-particles", "too-many-particles" and the errors of render_mesh.
 SurfaceView show_surface(const Particles&, const Shapes&, const SurfaceOptions&,

@@ -154,8 +154,8 @@ Skins::Skins(const Detail& detail, const Particles& particles, const Shapes& sha
   if (has_ground()) smooth(ground_, footprint / detail.pixel_size);
   worn_.resize(particles.count());
   if (skins_.empty()) return;
-  faceted_ = std::all_of(shapes.shapes.begin(), shapes.shapes.end(),
-                         [](const Shape& s) { return s.traced.faceted; });
+  faceted_ = !shapes.shapes.empty() && std::all_of(shapes.shapes.begin(), shapes.shapes.end(),
+                                                   [](const Shape& s) { return s.traced.faceted; });
   take_pictures(detail.relief, footprint > 0, work);
   covers_.assign(skins_.size(), 0);
   for (const double size : particles.size) usual_cover_ += square(size) / count_of(skins_);
@@ -238,6 +238,7 @@ Skins::Picture Skins::with_relief(const Detail::Skin& skin, const Detail::Relief
 // What is left of a skin without the faces of its stone, which are evenly light or dark, and without the
 // edges between them, which stand out (weighted as by Beaton and Tukey 1974): its texture.
 void Skins::remove_faces(Detail::Skin& skin) {
+  constexpr int kMostReach = 127;                   // of OpenCV's median, pixels
   constexpr double kReach = 0.075;                  // of the median, in the stone's diameter
   constexpr float kStandsOut = 4.685F * 1.4826F;    // in the median deviation
   constexpr float kLowest = -2, kStep = 1.0F / 64;  // of shades
@@ -245,7 +246,7 @@ void Skins::remove_faces(Detail::Skin& skin) {
   for (std::size_t i = 0; i < skin.shade.size(); ++i)
     shade.data[i] = cv::saturate_cast<std::uint8_t>((luminance_of(skin.shade[i]) - kLowest) / kStep);
   const double diameter = 4 * std::sqrt(std::sqrt(skin.spread.determinant()));
-  cv::medianBlur(shade, faces, 2 * std::max(1, round_nearest(kReach * diameter)) + 1);
+  cv::medianBlur(shade, faces, 2 * std::clamp(round_nearest(kReach * diameter), 1, kMostReach) + 1);
   std::vector<float> texture, deviations;
   for (std::size_t i = 0; i < skin.shade.size(); ++i) {
     texture.push_back(luminance_of(skin.shade[i]) - kLowest - kStep * static_cast<float>(faces.data[i]));
@@ -293,7 +294,7 @@ void Skins::light_up(Worn& worn, const Eigen::Vector2f& photographed,
 
 std::optional<Skins::Worn> Skins::own_skin(const Shape& shape, const Particles& particles,
                                            std::size_t particle) const {
-  if (faceted_) return {};
+  if (faceted_) return {};  // its faces are not the body's
   const auto found = of_profile_.find(shape.traced.profile);
   const double scale = particles.scale[particle];
   const Mat3 turned = particles.orientation[particle].normalized().toRotationMatrix();
@@ -329,8 +330,11 @@ Skins::Worn Skins::choose(std::size_t particle, const Particles& particles, cons
   for (int k = 0; k < count_of(skins_); ++k) {
     const Detail::Skin& skin = skins_[k];
     const bool is_own = own && own->skin == k;
-    double larger = faceted_ ? 0 : std::log(size / skin.size);
-    if (larger > 0) larger *= kEnlarged;
+    double larger = std::log(size / skin.size);
+    if (larger > 0)
+      larger *= kEnlarged;
+    else if (faceted_)
+      larger = 0;  // a part of the texture
     double cost = (oklab_[k] - color).squaredNorm() / (kColorSpread * kColorSpread) +
                   larger * larger / (kSizeSpread * kSizeSpread) + hidden_[k] + (is_own ? 0 : kStrange) +
                   kWorn * covers_[k] / usual_cover_ + kChance * random.uniform();
@@ -358,8 +362,9 @@ Vec3f Skins::at(const Vec3f& mm, int particle, const Vec3f& color) const {
   for (int a = 0; a < 3; ++a) offset[a] -= box_[a] * std::round(offset[a] / box_[a]);
   const Picture& picture = pictures_[worn.skin][worn.level];
   const Eigen::Vector2f at = std::ldexp(1.0F, -worn.level) * (worn.to_skin * offset + worn.start);
+  const auto within = [&](int i, int n) { return faceted_ ? mirror_index(i, n) : std::clamp(i, 0, n - 1); };
   const Texel texel = sample(picture.texels, at.x(), at.y(), [&](int x, int y) {
-    return pixel_at(mirror_index(x, picture.width), mirror_index(y, picture.height), picture.width);
+    return pixel_at(within(x, picture.width), within(y, picture.height), picture.width);
   });
   return Detail::with_shade(color, texel.head<3>() + Vec3f::Constant(worn.relit.dot(texel.tail<2>())));
 }

@@ -50,20 +50,21 @@ std::size_t count_of_shapes(const Context& c, const Profiles& profiles, std::siz
   return std::clamp<std::size_t>(usable, 1, kSilhouettes);
 }
 
-// The method that the parameter names. With auto: stones of a surface have a silhouette of the photograph;
-// otherwise fit if there are enough profiles.
+// The method that the parameter names. With auto: stones of a surface have a silhouette of the photograph,
+// and flat faces if all its stones together show corners; otherwise fit if there are enough profiles.
 const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
   const std::string name = c.text("method");
   if (name != "auto") return method_of(name);
   if (profiles.view != View::Surface && c.keyword("profiles").empty())
     return method_of("morphed_generalized_cylinder");
-  const std::vector<Outline> usable = candidates_of(profiles, options, c.work()).outlines;
   if (profiles.view == View::Surface) {
-    const double corners = usual_corners(usable);
+    const CandidateOptions all{-1, options.smallest};  // with the crease for which kCrushed holds
+    const double corners = usual_corners(candidates_of(profiles, all, c.work()).outlines);
     c.metric("corners", corners);
     return method_of(corners > kCrushed ? "faceted" : "inflation");
   }
-  return method_of(usable.size() >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
+  const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
+  return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
 }
 
 [[noreturn]] void too_few(const Profiles& profiles, const Candidates& candidates, std::size_t each) {

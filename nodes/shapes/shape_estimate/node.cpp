@@ -144,7 +144,7 @@ namespace terrazzo {
 
 NodeType shape_estimate_node() {
   using namespace shape_estimate;
-  return NodeType("ShapeEstimate", 17)
+  return NodeType("ShapeEstimate", 18)
       .doc_(
           "Estimates plausible particle shapes from the outlines of their plane sections, or from the "
           "silhouettes that a surface shows. How the sections of different particles are arranged in space "

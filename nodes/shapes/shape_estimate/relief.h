@@ -19,11 +19,12 @@ double usual_relief(const std::vector<Outline>&);
 // photographed stones have 0.04 or more.
 inline constexpr double kRound = 0.03;
 
-// The median share of a full turn that outlines take at corners: 1 for polygons, 0 for smooth outlines.
+// The median share of a full turn that outlines take at corners (`crease` of make_outline): 1 for polygons, 0
+// for smooth outlines.
 double usual_corners(const std::vector<Outline>&);
 
 // Usual corners above which stones are taken for crushed: photographed pebbles have 0.24 to 0.32, and crushed
-// gravel 0.52.
+// gravel 0.52, with a crease of 30°.
 inline constexpr double kCrushed = 0.42;
 
 }  // namespace terrazzo::shape_estimate

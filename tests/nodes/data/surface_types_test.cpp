@@ -28,11 +28,12 @@ std::shared_ptr<const T> decoded(const Bytes& bytes) {
 TEST(SurfaceTypes, TracedShapesAreStored) {
   Shapes shapes = test::one_shape(test::sphere_mesh(1));
   const auto plain = encoded(shapes);
-  shapes.shapes[0].traced = {7, Vec2(1.5, -2), 0.25};
+  shapes.shapes[0].traced = {7, Vec2(1.5, -2), 0.25, true};
   const auto back = decoded<Shapes>(encoded(shapes));
   EXPECT_EQ(back->shapes[0].traced.profile, 7);
   EXPECT_EQ(back->shapes[0].traced.origin, Vec2(1.5, -2));
   EXPECT_EQ(back->shapes[0].traced.turn, 0.25);
+  EXPECT_TRUE(back->shapes[0].traced.faceted);
   EXPECT_EQ(decoded<Shapes>(plain)->shapes[0].traced.profile, 0);
   shapes.shapes[0].color.assign(shapes.shapes[0].mesh.vertices.size(), Vec3f(1, 0, 0));
   EXPECT_EQ(decoded<Shapes>(encoded(shapes))->shapes[0].color, shapes.shapes[0].color);

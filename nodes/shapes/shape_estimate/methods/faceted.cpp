@@ -6,8 +6,8 @@
 
 #include "graph/diagnostic.h"
 #include "nodes/common/geometry/mesh/convex_polyhedron.h"
+#include "nodes/common/geometry/mesh/loop.h"
 #include "nodes/common/geometry/mesh/mesh.h"
-#include "nodes/data/indices.h"
 #include "nodes/shapes/shape_estimate/methods/method.h"
 #include "nodes/shapes/shape_estimate/methods/refine.h"
 #include "runtime/random.h"
@@ -90,7 +90,7 @@ void give_silhouette_area(Mesh& mesh, double area) {
 Estimate faceted(const EstimateRequest& request, const Work& work) {
   constexpr std::uint64_t kTries = 100;
   constexpr double kShortest = 1e-3;  // edge of a polyhedron, in half the height
-  constexpr double kFine = 0.14;      // longest edge of a triangle, in half the height
+  constexpr double kFine = 0.28;      // longest edge of a triangle without subdivision, in half the height
   constexpr int kWear = 1;            // rounds of smoothing, which rounds edges by about a triangle
   const Outline& o = request.chosen[0];
   const Loop sides = sides_of(o);
@@ -103,7 +103,7 @@ Estimate faceted(const EstimateRequest& request, const Work& work) {
     Estimate out;
     out.mesh = triangulate(body);
     if (!mesh_faults(out.mesh).empty()) continue;
-    split_edges(out.mesh, kFine * half);
+    split_edges(out.mesh, std::ldexp(kFine * half, -request.subdivision));
     out.mesh.vertices = smoothed(out.mesh, kWear);
     give_silhouette_area(out.mesh, o.area);
     return out;

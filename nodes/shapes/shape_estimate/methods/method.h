@@ -67,8 +67,8 @@ Estimate morphed_generalized_cylinder(const EstimateRequest&, const Work&);
 // Bays that no ray from the center reaches are filled.
 Estimate inflation(const EstimateRequest&, const Work&);
 
-// A convex polyhedron, as of crushed rock. Its silhouette from above is the polygon with the fewest corners
-// that has the form of the profile's hull; two faces at a random angle meet at each side.
+// A convex polyhedron with worn edges, as of crushed rock. Its silhouette from above is about a polygon with
+// few corners that has the form of the profile's hull, and its area; one or two faces stand at each side.
 Estimate faceted(const EstimateRequest&, const Work&);
 
 // The surface swept over a frame (morph_frame.h): fitted with enough control points to reproduce its curves,

@@ -174,6 +174,43 @@ TEST(SkinsOfParticles, BodiesWithFacesGetTheTextureAlone) {
   }
 }
 
+// The grain of a large body is as fine as the skin's: it repeats after two skins, mirrored.
+TEST(SkinsOfParticles, TextureOfBodiesWithFacesKeepsItsSize) {
+  const Vec3 at(50, 50, 50);
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  Shapes shapes = ball_of_3mm();
+  shapes.shapes[0].traced = {1, Vec2(10 + 4, 20 - 5), 0, true};
+  const Skins skins(two_faces(0.05F), one_particle(at, Quat::Identity(), 3), shapes, 0, {});
+  const auto shade = [&](double x) {
+    return Detail::skin_shade(skins.at((at + Vec3(x, 0.05, 0)).cast<float>(), 0, usual), usual).x();
+  };
+  double difference = 0;
+  for (int k = 0; k < 20; ++k) {
+    const double x = 0.1 * (k + 0.5);
+    EXPECT_NEAR(shade(x), shade(x - 16), 1e-3) << k;  // 2 · 80 pixels of 0.1 mm
+    difference += std::abs(shade(x) - shade(x + 0.1)) / 20;
+  }
+  EXPECT_GT(difference, 0.03);
+}
+
+// A close-up: the median's reach has a limit.
+TEST(SkinsOfParticles, FacesOfWideSkinsAreRemoved) {
+  Detail detail;
+  detail.pixel_size = 0.1;
+  Detail::Skin skin = chart(1, Vec3f::Constant(0.5F));
+  skin.width = skin.height = 2200;
+  skin.center = {1100, 1100};
+  skin.spread = Eigen::Matrix2f::Identity() * 500 * 500;
+  skin.size = 200;
+  skin.shade.assign(pixels_in(2200, 2200), Vec3f::Constant(0.4F));
+  detail.skins.push_back(skin);
+  Shapes shapes = ball_of_3mm();
+  shapes.shapes[0].traced = {1, Vec2(120, -90), 0, true};
+  const Skins skins(detail, one_particle(Vec3(50, 50, 50), Quat::Identity(), 1), shapes, 0, {});
+  const Vec3f usual = Vec3f::Constant(0.5F);
+  EXPECT_NEAR(Detail::skin_shade(skins.at(Vec3f(50, 50, 50), 0, usual), usual).x(), 0, 0.02);
+}
+
 // Without relief, light from anywhere shows the same stains.
 TEST(SkinsOfParticles, StainsDoNotDependOnTheLight) {
   Detail detail = lit_waves(Eigen::Vector2f::UnitX());
