@@ -34,7 +34,7 @@ Image cropped(const Image& image, const std::array<int, 4>& crop) {
   return out;
 }
 
-// Of an sRGB-encoded value. Above white, the curve goes on as a line.
+// Maps an sRGB-encoded value. Above white, the curve continues as a straight line.
 float level(float v, const AdjustOptions& o) {
   const double share = std::max((v - o.black) / (o.white - o.black), 0.0);
   return static_cast<float>(share < 1 ? std::pow(share, 1 / o.gamma) : 1 + (share - 1) / o.gamma);

@@ -55,14 +55,13 @@ std::size_t count_of_shapes(const Context& c, const Profiles& profiles, std::siz
 const EstimateMethod& chosen_method(Context& c, const Profiles& profiles, const CandidateOptions& options) {
   const std::string name = c.text("method");
   if (name != "auto") return method_of(name);
-  if (profiles.view != View::Surface && c.keyword("profiles").empty())
-    return method_of("morphed_generalized_cylinder");
   if (profiles.view == View::Surface) {
     const CandidateOptions all{-1, options.smallest};  // with the crease for which kCrushed holds
     const double corners = usual_corners(candidates_of(profiles, all, c.work()).outlines);
     c.metric("corners", corners);
     return method_of(corners > kCrushed ? "faceted" : "inflation");
   }
+  if (c.keyword("profiles").empty()) return method_of("morphed_generalized_cylinder");
   const std::size_t usable = candidates_of(profiles, options, c.work()).outlines.size();
   return method_of(usable >= kFitEnough ? "fit" : "morphed_generalized_cylinder");
 }

@@ -44,7 +44,7 @@ function inColumns(nodes: DocNode[], doc: Doc, types: Map<string, NodeType>): { 
   return { at, middle, columns: [...new Set(nodes.map(middle))].sort((a, b) => a - b) };
 }
 
-// What has too many columns for legible names beside the viewer goes on in a next row, as text does.
+// If a graph has too many columns to keep names legible beside the viewer, it wraps into another row, like text.
 export function layout(doc: Doc, types: Map<string, NodeType>): Record<string, { x: number; y: number }> {
   const { at, middle, columns } = inColumns(doc.nodes, doc, types), rows = Math.ceil(columns.length / mostColumns);
   if (rows < 2) return at;

@@ -23,7 +23,7 @@ function Empty() {
   const picture = useStore(s => galleryPicture(s.doc, s.start)), valid = useStore(s => s.doc?.valid), live = useStore(s => s.run.live), failed = useStore(s => !!failureOf(s));
   if (picture) return <Gallery picture={picture} />;
   if (!valid) return <p className="none">The graph has errors.</p>;
-  return <p className="none">{failed ? 'The material appears here once this is mended.' : live ? 'The first picture of the material comes in seconds.' : 'Nothing has been computed yet. '}
+  return <p className="none">{failed ? 'Fix this error to see the material here.' : live ? 'The first picture of the material appears in a few seconds.' : 'Nothing has been computed yet. '}
     {!live && <button className="primary" onClick={() => void post('/api/live', { live: true })}>Compute the material</button>}</p>;
 }
 
